@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import cache, partial
 from pathlib import Path
 
-from egad.detectors import fingerprint
+from egad.detectors import DetectorConfig, fingerprint
 from egad.errors import TableError, UserError
-from egad.exchange import NamedGripper, check_format
+from egad.exchange import NamedGripper, check_format, files_of_grasps
 from egad.grasps.samplers import check_sampler
 from egad.grippers import Gripper, files_of
 from egad.io import EVERY_FILE, check_unit_known, checksum, mesh_files
@@ -45,9 +45,8 @@ def _checks(settings: Settings) -> Iterator[tuple[str, Callable[[], object]]]:
     targets = settings.targets
     for name in dict.fromkeys([*targets.detectors, *targets.clutter, *targets.failures]):
         detector = settings.detectors[name]
-        made = detector.weights and is_result(detector.weights)
-        if not made or Path(str(detector.weights)).is_file():
-            yield "", partial(fingerprint, detector)
+        where = f"detectors.{name}" if detector.known_grasps else ""
+        yield where, partial(_check_detector, detector)
     for name in dict.fromkeys([settings.graspability.gripper, *settings.targets.grippers]):
         yield f"grippers.{name}", partial(_check_gripper, settings.grippers[name])
     for name in settings.targets.grippers:
@@ -59,6 +58,14 @@ def _checks(settings: Settings) -> Iterator[tuple[str, Callable[[], object]]]:
 def is_result(file: str) -> bool:
     """Whether a file is one that a workflow makes."""
     return file.startswith("results/")
+
+
+def _check_detector(detector: DetectorConfig) -> None:
+    made = detector.weights and is_result(detector.weights)
+    if not made or Path(str(detector.weights)).is_file():
+        fingerprint(detector)
+    if detector.known_grasps:
+        files_of_grasps(detector.known_grasps)
 
 
 def _check_dataset(dataset: DatasetSection) -> None:

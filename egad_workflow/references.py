@@ -16,6 +16,7 @@ def wrong_references(settings: Settings) -> list[str]:
         *_undefined(settings),
         *_wrong_kind("targets.detectors", settings.targets.detectors, settings),
         *_not_for_trials(settings),
+        *_scaled_under_grasps(settings),
         *_wrong_kind("targets.clutter", settings.targets.clutter, settings),
         *_impossible_targets(settings),
         *_impossible_searches(settings),
@@ -57,6 +58,19 @@ def _not_for_trials(settings: Settings) -> list[str]:
         f"targets.detectors: {name} asks for more than a view from above: see targets.clutter"
         for name in settings.targets.detectors
         if name in settings.detectors and settings.detectors[name].detector in IN_ANY_DIRECTION
+    ]
+
+
+def _scaled_under_grasps(settings: Settings) -> list[str]:
+    """A line for each detector that is known grasps of meshes, if these are scaled."""
+    targets, rule = settings.targets, settings.rescale.rule
+    sources = {data.source for name in targets.datasets if (data := settings.datasets.get(name))}
+    return [
+        f"rescale.rule: it is {rule}; with the grasps of meshes, {name}, it is none: they have one "
+        "size"
+        for name in dict.fromkeys([*targets.detectors, *targets.clutter])
+        if "meshes" in sources and rule != "none"
+        if name in settings.detectors and settings.detectors[name].known_grasps
     ]
 
 

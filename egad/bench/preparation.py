@@ -10,7 +10,7 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.detectors import Detect, grasps_if_any, knows_scene
+from egad.detectors import Detect, DetectorConfig, grasps_if_any, knows_scene
 from egad.errors import RejectedError, UserError
 from egad.grasps import GraspLabel, Grasps, label_parameters
 from egad.grippers import Gripper
@@ -127,13 +127,15 @@ def labels_from(
     grasps: Mapping[str, Grasps] | None, detect: Detect, rule: str, targets: Sequence[NamedMesh]
 ) -> Mapping[str, pd.DataFrame] | None:
     """Grasps by id from those by label, the argument of a public function; `UserError`."""
+    if isinstance(detect, DetectorConfig) and detect.known_grasps:
+        raise UserError(f"{detect.name}: in Python, give labels the `grasps` that are read from it")
     if grasps is None:
         return None
     if not knows_scene(detect):
         raise UserError("grasps are for the detector labels, which knows where the objects are")
     if rule != "none":
         raise UserError(f"rule is {rule!r}; with grasps, it is 'none': they are for one size")
-    return grasps_by_id(grasps, targets)
+    return dict(grasps_by_id(grasps, targets))
 
 
 def grasps_by_id(
@@ -143,15 +145,15 @@ def grasps_by_id(
 
     What their file calls a failure is left out. Its scores, if none is missing, rank the others.
     """
-    if missing := [each.label for each in targets if each.label not in grasps]:
+    if missing := [each.label for each in targets if each.label not in set(grasps)]:  # not read
         known = ", ".join(grasps) or "nothing"
         raise UserError(f"there are no grasps of {missing[0]!r}; there are some of {known}")
-    return {each.id: _without_failures(grasps[each.label]) for each in targets}
+    return Lazy({each.id: partial(_without_failures, grasps, each.label) for each in targets})
 
 
-def _without_failures(grasps: Grasps) -> pd.DataFrame:
-    _ = grasps.quality  # an error if they were read without a mesh
-    table = grasps.to_frame()
+def _without_failures(grasps: Mapping[str, Grasps], label: str) -> pd.DataFrame:
+    _ = grasps[label].quality  # an error if they were read without a mesh
+    table = grasps[label].to_frame()
     score = table.get("source_score", pd.Series(np.nan, table.index))
     if score.notna().all():
         table = table.assign(robust_quality=score)

@@ -91,13 +91,14 @@ class SceneLabels:
         cup = cup_of(self._gripper, "a suction grasp")
         best = np.argsort(-quality, kind="stable")
         best = best[quality[best] > 0][:MAX_TESTED]
-        owners = np.repeat([each.number for each in present], self._counts(present))[best]
+        counts = [len(self._grasps[each.number]) for each in present]
+        owners = np.repeat([each.number for each in present], counts)[best]
         where = {each.number: each.pose.position for each in present}
         masses = [self._models[number].mass for number in owners]
         centers = np.array([where[number] for number in owners]).reshape(-1, 3)
         origins, frames = poses[best, :3, 3], poses[best, :3, :3].transpose(0, 2, 1).copy()
-        meshes = [TABLE_SLAB, *(self._placed(each) for each in present)]
-        scene = RayCaster(joined(meshes))
+        meshes = [self._models[n].mesh.copy().apply_transform(at.matrix) for n, at in present]
+        scene = RayCaster(joined([TABLE_SLAB, *meshes]))
         seals = seal_cups(scene, cup, origins, frames)
         good = seals.sealed & (np.abs(seals.depths) < cup.height)
         good &= collision_free(scene, cup, origins, frames, seals.depths)
@@ -105,9 +106,6 @@ class SceneLabels:
         loads = loads_in_frames(origins, frames, weights.reshape(-1, 3), centers)
         for number in best[good & resists(cup, loads)].tolist():
             yield Grasp.of_pose(poses[number], 0.0, float(quality[number]))
-
-    def _counts(self, present: Sequence[RestingObject]) -> list[int]:
-        return [len(self._grasps[each.number]) for each in present]
 
     def _candidates(self, present: Sequence[RestingObject]) -> tuple[Floats, Floats, Floats]:
         """All grasps: poses of the hand in the world, (n, 4, 4), widths and robust qualities."""
@@ -128,9 +126,6 @@ class SceneLabels:
         matrix = placed.pose.matrix
         triangles: Floats = self._models[placed.number].mesh.triangles @ matrix[:3, :3].T
         return triangles + matrix[:3, 3]
-
-    def _placed(self, placed: RestingObject) -> trimesh.Trimesh:
-        return self._models[placed.number].mesh.copy().apply_transform(placed.pose.matrix)
 
 
 def _turned(pose: Floats, blocked: NDArray[np.bool_]) -> Floats:

@@ -70,7 +70,7 @@ def benchmark(
         lambda targets, grasps: try_tables(
             chosen.detector, targets, chosen, scaling, jobs, settings.keep_going, grasps
         ),
-        *(chosen, scaling, gripper, (objects, units), (path, CLUTTER), detector),
+        *(chosen, scaling, gripper, (objects, units), (path, CLUTTER)),
     )
     cleared({name: result.rates()}, {name: engine_names(result.table)})
     typer.echo(f"protocol: {settings.clutter.protocol.name}")

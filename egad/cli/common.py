@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 CORES = available_cpus()
 RUN = Path("results/egad")  # of the default configuration
-GRASPS = "grasps:"  # begins a detector that is a file of grasps, or a folder of them
 FIRST_TARGET = "the first of targets.grippers"
 
 
@@ -152,11 +151,11 @@ def detector_in(
 ) -> tuple[Settings, str]:
     """Settings with the detector of a command line (see `DetectorName`), and its name there."""
     from egad._util.parameters import from_arguments
-    from egad.detectors import LABELS, DetectorConfig
+    from egad.detectors import KNOWN_GRASPS, DetectorConfig
     from egad.plugins import named
 
-    known_grasps = text.startswith(GRASPS)
-    stem = Path(text.removeprefix(GRASPS) if known_grasps else text.partition(":")[0]).stem
+    is_known = text.startswith(KNOWN_GRASPS)
+    stem = Path(text.removeprefix(KNOWN_GRASPS) if is_known else text.partition(":")[0]).stem
     name = re.sub("[^a-z0-9_-]+", "_", stem.lower()).strip("_-")
     given = None if weights is None else str(weights)
     if command is not None:
@@ -165,7 +164,7 @@ def detector_in(
         changed = {} if given is None else {"weights": given}
         name, found = text, from_arguments(DetectorConfig, **known.model_dump() | changed)
     else:
-        own = LABELS if known_grasps else named(text)
+        own = text if is_known else named(text)
         found = from_arguments(DetectorConfig, detector=own, weights=given)
     return settings.model_copy(update={"detectors": {**settings.detectors, name: found}}), name
 

@@ -12,6 +12,7 @@ import typer
 
 from egad.cli import common
 from egad.errors import UserError
+from egad.friction import FRICTION
 from egad.grippers import GRIPPERS
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ Depth = Annotated[float | None, typer.Option(help="how far ahead of the poses th
 PoseUnits = Annotated[str | None, typer.Option(help="unit of plain poses: m, cm or mm")]
 REFERENCE = "text file with the (4, 4) pose of the camera or scene; `object` if it is the identity"
 Reference = Annotated[Path | None, typer.Option(help=REFERENCE)]
+FRICTIONS = f"friction of the fingers; may be repeated; default: {FRICTION}"
 ObjectId = Annotated[str | None, typer.Option(help="object, segment or scene of the file")]
 
 
@@ -68,8 +70,9 @@ def check(
 
     check_ending(fix, (".npz",))
     check_ending(picture, (".svg",))
-    said = _said(frame, depth, pose_units, reference, object_id)
-    found = check_grasps(file, *_object(mesh, units, gripper, config), format_name, **said)
+    said = _said(reference, frame=frame, depth=depth, units=pose_units, object_id=object_id)
+    (solid,), hand = _objects([mesh], units, gripper, config)
+    found = check_grasps(file, solid, hand, format_name, **said)
     typer.echo(repr(found))
     if picture is not None:
         found.plot().save(picture)
@@ -99,8 +102,8 @@ def convert(
     from egad.exchange.export import export_grasps
     from egad.exchange.reading import read_grasps
 
-    solid, hand = _object(mesh, units, gripper, config)
-    said = _said(frame, depth, pose_units, reference, object_id)
+    (solid,), hand = _objects([mesh], units, gripper, config)
+    said = _said(reference, frame=frame, depth=depth, units=pose_units, object_id=object_id)
     read = read_grasps(file, format_name, solid, hand, **said)
     export_grasps(read, solid, to, hand, out, mesh.stem)
     typer.echo(f"{out}: {len(read)} grasps of {mesh.stem}")
@@ -116,6 +119,8 @@ def try_files(
     gripper: Hand,
     n: Annotated[int, typer.Option("--n", min=1, help="grasps of a file, evenly spaced")] = 100,
     engine: Annotated[str, typer.Option(help="mujoco, pybullet or drake")] = "mujoco",
+    friction: Annotated[list[float] | None, typer.Option(help=FRICTIONS)] = None,
+    mass: Annotated[list[float] | None, typer.Option(help="kilograms; may be repeated")] = None,
     format_name: FileFormat = None,
     frame: Frame = None,
     depth: Depth = None,
@@ -133,46 +138,43 @@ def try_files(
     from egad.exchange.grasp_trials import try_grasps
     from egad.exchange.reading import read_grasps
     from egad.io import check_ending, object_names
+    from egad.tables.columns import meaning_of
     from egad.tables.grasping import TRIED_GRASPS
 
     check_ending(out, (".parquet", ".csv"))
     if len(files) != len(meshes):
         raise UserError(f"--mesh is given {len(meshes)} times; allowed: once for each file")
-    said = _said(frame, depth, pose_units, reference, object_id)
+    said = _said(reference, frame=frame, depth=depth, units=pose_units, object_id=object_id)
     names = {path: name for name, path in object_names(meshes).items()}
+    solids, hand = _objects(meshes, units, gripper, config)
+    options: Any = {"engine": engine, "jobs": jobs, "friction": friction or FRICTION}
+    options["mass"] = mass or None
     tried = []
-    for file, mesh in zip(files, meshes, strict=True):
-        solid, hand = _object(mesh, units, gripper, config)
+    for file, mesh, solid in zip(files, meshes, solids, strict=True):
         read = read_grasps(file, format_name, solid, hand, **said)
-        options: Any = {"name": names[mesh], "engine": engine, "jobs": jobs}
-        tried.append(try_grasps(read, solid, hand, n, **options))
+        tried.append(try_grasps(read, solid, hand, n, name=names[mesh], **options))
     whole = reduce(add, tried)
     if out is not None:
         write_frame(whole.table, TRIED_GRASPS, out)
     typer.echo(repr(whole))
-    for column in ("depth", "width"):
-        terciles(whole.by(column))
+    for column in ("depth", "width", "friction", "mass"):
+        if column in ("depth", "width") or whole.table[column].nunique() > 1:
+            terciles(whole.by(column), meaning_of(TRIED_GRASPS.field(column))[1])
 
 
-def _object(
-    mesh: Path, units: str | None, gripper: str, config: Path | None
-) -> "tuple[trimesh.Trimesh, Gripper | str]":
-    """The object and the gripper of a command line; by its name if it is one of egad's."""
+def _objects(
+    meshes: list[Path], units: str | None, gripper: str, config: Path | None
+) -> "tuple[list[trimesh.Trimesh], Gripper | str]":
+    """The objects and the gripper of a command line; by its name if it is one of egad's."""
     from egad.io import check_unit_known, read_mesh
 
-    check_unit_known([mesh], units)
+    check_unit_known(meshes, units)
     settings, name = common.gripper_in(common.settings_in(config), gripper)
     known = config is None and name in GRIPPERS
-    return read_mesh(mesh, units), name if known else settings.grippers[name]
+    return [read_mesh(each, units) for each in meshes], name if known else settings.grippers[name]
 
 
-def _said(
-    frame: str | None,
-    depth: float | None,
-    units: str | None,
-    reference: Path | None,
-    object_id: str | None,
-) -> Any:  # noqa: ANN401 (`egad.exchange.reading.Said`, which takes long to import)
+def _said(reference: Path | None, **others: object) -> Any:  # noqa: ANN401 (`Said`, slow to import)
     import numpy as np
 
     pose = None
@@ -181,5 +183,4 @@ def _said(
             pose = np.eye(4) if str(reference) == "object" else np.loadtxt(reference)
         except (OSError, ValueError) as error:
             raise UserError(f"--reference {reference}: no lines of numbers: {error}") from error
-    named = {"frame": frame, "depth": depth, "units": units, "reference": pose}
-    return named | {"object_id": object_id}
+    return {**others, "reference": pose}

@@ -42,7 +42,9 @@ def verify(
 
 
 def check_config(files: Annotated[list[Path], typer.Argument(help="configuration files")]) -> None:
-    """Check configuration files and list all problems."""
+    """Check configuration files and list all problems, also of the files that they name."""
+    from egad_workflow.input_files import check_input_files
+
     for file in files:
-        common.settings_in(file)
+        check_input_files(common.settings_in(file))
         typer.echo(f"{file}: fine")

@@ -8,14 +8,14 @@ import typer
 
 from egad.cli import common
 from egad.errors import UserError, check_name
-from egad.grippers import GRIPPERS, Gripper
+from egad.grippers import Gripper
 from egad_workflow.settings import Settings
 
 if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
 
-    from egad.bench import ClutterParameters, Models, TrialParameters
+    from egad.bench import ClearedTables, Models, SimulatedTrials
     from egad.bench.benchmark import Benchmark
     from egad.bench.trials import Trials
     from egad.objects import NamedMesh
@@ -39,22 +39,24 @@ RunGripper = Annotated[
 def run_trials(
     command: str,
     work: Callable[[list["NamedMesh"], "Mapping[str, pd.DataFrame] | None"], Result],
-    settings: "TrialParameters | ClutterParameters",
+    settings: "SimulatedTrials | ClearedTables",
     rule: str,
     gripper: str,
     objects: tuple[str, str | None],
     out: tuple[Path, "pa.Schema"],
-    detector: str,
 ) -> Result:
     """Simulate trials of `--objects` with `--units`; write the table, and a note to repeat it."""
     from egad.detectors import keep_failure
+    from egad.exchange.known_grasps import known_grasps
     from egad.tables import parquet
     from egad_workflow.provenance import recorded
 
     targets, files = common.objects_in(*objects)
-    if detector.startswith(common.GRASPS) and rule != "none" and common.are_meshes(files):
+    known = settings.detector.known_grasps
+    if known and rule != "none" and common.are_meshes(files):
         raise UserError(f"--rule is {rule}; with grasps of meshes it is none: they have one size")
-    labels, read = _known_grasps(detector, targets, settings.gripper, rule)
+    labels, read = known_grasps(known, targets, settings.gripper, rule) if known else (None, [])
+    labels = labels and dict(labels)  # an error in a file comes before anything is simulated
     path, schema = out
     arguments = {"objects": Path(objects[0]).name, "rule": rule}
     values = settings.model_dump(mode="json", exclude={"detector", "gripper"})
@@ -69,31 +71,6 @@ def run_trials(
         result = work(targets, labels)
         parquet.write(result.table, schema, path, note)
     return result
-
-
-def _known_grasps(
-    detector: str, targets: list["NamedMesh"], gripper: Gripper, rule: str
-) -> "tuple[Mapping[str, pd.DataFrame] | None, list[Path]]":
-    """The grasps by id of grasps:FILE or grasps:FOLDER, and files; None of any other detector."""
-    from egad.bench.preparation import grasps_by_id
-    from egad.exchange.grasp_files import LOADERS
-    from egad.exchange.reading import read_grasps
-    from egad.io import object_names
-    from egad.objects import scaled_solid
-
-    if not detector.startswith(common.GRASPS):
-        return None, []
-    path = Path(detector.removeprefix(common.GRASPS))
-    files = {targets[0].label: path}
-    if path.is_dir():
-        files = object_names(each for each in sorted(path.iterdir()) if each.suffix in LOADERS)
-    hand = next((name for name, each in GRIPPERS.items() if each == gripper), gripper)
-    read = {
-        each.label: read_grasps(files[each.label], None, scaled_solid(each, gripper, rule), hand)
-        for each in targets
-        if each.label in files
-    }
-    return grasps_by_id(read, targets), [files[label] for label in read]
 
 
 def _models_in(dataset: Path, settings: Settings, gripper: str) -> "Models":

@@ -65,7 +65,7 @@ def run(
         lambda targets, grasps: try_objects(
             chosen.detector, targets, chosen, scaling, jobs, settings.keep_going, grasps
         ),
-        *(chosen, scaling, gripper, (objects, units), (path, TRIALS), detector),
+        *(chosen, scaling, gripper, (objects, units), (path, TRIALS)),
     )
     succeeded({path.stem: result.success_rate()}, {path.stem: simulated_in(result.table)})
     typer.echo(f"outcomes: {outcome_list(result.table)}")

@@ -271,11 +271,17 @@ def clearing_compared(pairs: Mapping[str, Sequence[ClearingComparison]]) -> None
     )
 
 
-def terciles(table: pd.DataFrame) -> None:
-    """Print labels against simulation by terciles of a length, metres: `GraspTrials.by`."""
+def terciles(table: pd.DataFrame, unit: str) -> None:
+    """Print labels against simulation by terciles or values of a column: `GraspTrials.by`."""
+    if (table["from"] == table["to"]).all():
+        table = table.drop(columns=["from", "to"])
     texts = table.map(lambda each: each if isinstance(each, str) else f"{each:.3g}")
     rows = texts.where(table.notna(), DASH).itertuples(index=False)
-    show([f"by {table.columns[0]}, m", *table.columns[1:]], rows, without_empty=True)
+    show(
+        [f"by {table.columns[0]}" + (unit and f", {unit}"), *table.columns[1:]],
+        rows,
+        without_empty=True,
+    )
 
 
 def outcome_list(table: pd.DataFrame) -> str:

@@ -34,6 +34,7 @@ from .observation import cameras_around as cameras_around
 from .observation import render_scene as render_scene
 from .parameters import DETECTORS as DETECTORS
 from .parameters import IN_ANY_DIRECTION as IN_ANY_DIRECTION
+from .parameters import KNOWN_GRASPS as KNOWN_GRASPS
 from .parameters import LABELS as LABELS
 from .parameters import NETWORKS as NETWORKS
 from .parameters import NOISES as NOISES

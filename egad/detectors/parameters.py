@@ -39,6 +39,7 @@ FOR_CUPS = ("suction-cloud", "suction-depth")
 IN_ANY_DIRECTION = ("antipodal-cloud", "graspgen", "suction-cloud", "vgn", "vgn-evolved")
 LABELS = "labels"  # knows where the objects are
 GRASPGEN = "graspgen"  # shipped, but of no use without an address
+KNOWN_GRASPS = "grasps:"  # begins a detector that is a file of grasps, or a folder of them
 ONLY_FOR = {"execution": "ggcnn", "threshold": "vgn", "avoid_collisions": "vgn"}
 KNOWN = f"{', '.join(SHIPPED)}, {GRASPGEN}"
 FOR_KIND = {  # of grippers
@@ -52,8 +53,9 @@ class DetectorConfig(Parameters):
 
     detector: UserPath | None = Field(
         None,
-        description=f"built-in detector ({KNOWN}), or your own: FILE.py:CLASS or "
-        "package.module:CLASS",
+        description=f"built-in detector ({KNOWN}); your own: FILE.py:CLASS or "
+        "package.module:CLASS; or known grasps: grasps:FILE, or grasps:FOLDER with a file for each "
+        "object, at the size in which it is grasped",
     )
     command: tuple[UserPath, ...] | None = Field(None, min_length=1)
     """instead of `detector`: the command that starts it in its own environment"""
@@ -76,6 +78,12 @@ class DetectorConfig(Parameters):
         """The detector, or the command as one text."""
         return self.detector or " ".join(self.command or ())
 
+    @property
+    def known_grasps(self) -> Path | None:
+        """The file of `grasps:FILE`, or the folder of `grasps:FOLDER`."""
+        before, _, path = (self.detector or "").partition(KNOWN_GRASPS)
+        return Path(path).expanduser() if path and not before else None
+
     @model_validator(mode="after")
     def _detector_can_be_found(self) -> Self:
         if (self.detector is None) == (self.command is None):
@@ -95,25 +103,29 @@ class DetectorConfig(Parameters):
                 )
             return self
         module, _, name = self.detector.rpartition(":")
-        if self.detector not in (*SHIPPED, GRASPGEN) and not (module and name.isidentifier()):
+        known = self.detector in (*SHIPPED, GRASPGEN) or self.known_grasps is not None
+        if not known and not (module and name.isidentifier()):
             raise ValueError(
                 f"detector is {self.detector!r}; allowed: {KNOWN}, "
-                "FILE.py:CLASS or package.module:CLASS"
+                "FILE.py:CLASS, package.module:CLASS, grasps:FILE or grasps:FOLDER"
             )
-        if self.weights and self.detector in {*SHIPPED, GRASPGEN} - {"ggcnn", "vgn"}:
+        if self.weights and known and self.detector not in ("ggcnn", "vgn"):
             raise ValueError(f"the detector {self.detector} takes no `weights`")
         return self
 
 
 def knows_scene(detect: object) -> bool:
     """Whether a detector knows where the objects are."""
-    return isinstance(detect, DetectorConfig) and detect.detector == LABELS
+    return isinstance(detect, DetectorConfig) and bool(
+        detect.detector == LABELS or detect.known_grasps
+    )
 
 
 def check_gripper(detector: str, gripper: Gripper) -> None:
     """Raise UserError if a built-in detector is for another kind of gripper."""
     fitting = FOR_KIND[gripper.kind.name]
-    if detector in (*SHIPPED, GRASPGEN) and detector not in fitting:
+    only_jaws = detector.startswith(KNOWN_GRASPS) and not gripper.kind.closes
+    if only_jaws or (detector in (*SHIPPED, GRASPGEN) and detector not in fitting):
         other = "suction cups" if detector in FOR_CUPS else "jaws"
         raise UserError(
             f"the detector {detector} is for {other}; the gripper has {gripper.kind.noun}; "

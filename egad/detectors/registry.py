@@ -15,7 +15,7 @@ from egad.detectors.base import WHERE, Answer, DetectorError, Grasp, poses_of
 from egad.detectors.cloud import antipodal_cloud
 from egad.detectors.ggcnn import GGCNN, check_ggcnn
 from egad.detectors.graspgen import GraspGen
-from egad.detectors.parameters import GRASPGEN, SHIPPED_NETWORKS, DetectorConfig
+from egad.detectors.parameters import GRASPGEN, SHIPPED_NETWORKS, DetectorConfig, knows_scene
 from egad.detectors.random_detector import random_grasp
 from egad.detectors.suction import suction_cloud, suction_depth
 from egad.detectors.vgn import Vgn
@@ -43,10 +43,8 @@ def make_detector(config: DetectorConfig) -> Detector:
     name = config.name
     if name in IN_SCENES:
         return IN_SCENES[name]
-    if name == "labels":
-        raise UserError(
-            "labels: it knows where the object is, so it works in simulated trials only"
-        )
+    if knows_scene(config):
+        raise UserError(f"{name} knows where the object is, so it works in simulated trials only")
     if name == GRASPGEN and config.address:
         return GraspGen(config.address)
     if name == "ggcnn":
@@ -120,7 +118,8 @@ def fingerprint(config: DetectorConfig) -> list[str]:
     if config.command:
         files = [word for word in config.command if Path(word).is_file()]
         return [plugins.file_hash(file, WHERE) for file in files]
-    own = [plugins.source_hash(config.name, WHERE)] if ":" in config.name else []
+    is_own = ":" in config.name and not config.known_grasps
+    own = [plugins.source_hash(config.name, WHERE)] if is_own else []
     weights = [plugins.file_hash(config.weights, WHERE)] if config.weights else []
     return [*own, *weights]
 

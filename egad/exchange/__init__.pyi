@@ -17,6 +17,8 @@ from .grasp_tables import load_grasps as load_grasps
 from .grasps.graspgen import graspgen_hand as graspgen_hand
 from .hdf5 import check_key as check_key
 from .hdf5 import writing as writing
+from .known_grasps import files_of_grasps as files_of_grasps
+from .known_grasps import labels_in_bundle as labels_in_bundle
 from .objects.simulation import read_convex_objects as read_convex_objects
 from .objects.simulation import read_simulation_object as read_simulation_object
 from .objects.simulation import write_simulation_object as write_simulation_object

@@ -1,8 +1,10 @@
 """Grasps that other programs wrote, tried in simulation: are their labels and scores right?"""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from html import escape
+from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -11,6 +13,7 @@ import trimesh
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from egad._util.arguments import check_positive
 from egad._util.arrays import Flags, Floats
 from egad._util.parameters import check_count
 from egad._util.progress import progress
@@ -19,6 +22,7 @@ from egad.bench import RestingObject, put
 from egad.bench.scenes import STAND, settle_from
 from egad.bench.stats import Area, Kappa, Rate, area, cohen_kappa, engine_names, mean_rate, rate
 from egad.errors import UserError, check_name
+from egad.friction import FRICTION
 from egad.geometry import Bundle, Material, RayCaster
 from egad.grasps import Grasps, label_parameters, vectors
 from egad.grippers import Gripper, as_gripper, body_of, check_jaws
@@ -40,6 +44,7 @@ from egad.sim import (
     open_world,
     with_simulated_labels,
 )
+from egad.sim.model import MIN_MASS
 from egad.sim.simulated_labels import simulate_grasps
 from egad.sim.success_rates import SHAKEN_AND_HELD
 from egad.tables.grasping import TRIED_GRASPS
@@ -54,15 +59,17 @@ MOST = 1000  # grasps of a file
 CHUNK = 20  # grasps that a process tries at once
 PROBABLE = 0.1  # of stable poses that an object is put down in, relative to the most probable
 TERCILES = ("low", "middle", "high")
+LEVELS = 5  # values of a column that are told one by one
 
 
 class GraspTrials:
     """Grasps that were tried in simulation; `first + second` are those of several objects.
 
     Attributes:
-        table: One row per grasp: the columns of labelled grasps (`results/README.md`);
-            `simulated_outcome`, in free space, and `table_outcome`; `source_success` and
-            `source_score`; and `depth` of the fingertips below the surface between them, metres.
+        table: One row per grasp, friction and mass: the columns of labelled grasps
+            (`results/README.md`); `simulated_outcome`, in free space, and `table_outcome`;
+            `source_success` and `source_score`; `depth` of the fingertips below the surface between
+            them, metres; `friction`; and `mass`, kilograms.
         unit: What intervals are over: `objects`, or `grasps` if there is one object.
     """
 
@@ -86,8 +93,8 @@ class GraspTrials:
     def rate(self, place: Place = "free") -> Rate:
         """How often grasps held the object when it was shaken, `free`, or lifted off a `table`."""
         tried, success = self._tried(place)
-        marked = tried.assign(success=success)
-        return mean_rate(marked) if self.unit == "objects" else rate(marked)
+        marked = tried.assign(success=success, label=self._groups(tried))
+        return mean_rate(marked) if marked["label"].duplicated().any() else rate(marked)
 
     def agreement(self, place: Place = "free") -> Kappa:
         """The label of the file (first) against the simulated success (second)."""
@@ -105,17 +112,21 @@ class GraspTrials:
         return area(values[known], success[known], self._groups(tried)[known])
 
     def by(self, column: str, place: Place = "free") -> pd.DataFrame:
-        """Labels and simulated success by terciles of a column, such as `depth` or `width`.
+        """Labels and simulated success by a column, such as `depth`, `width`, `friction` or `mass`.
 
         Returns:
-            For each tercile its smallest and largest value, the number of grasps, the rates of
-            success by the labels of the file and in simulation, and how often these agree.
+            For each friction, value if there are at most five, or tercile, its smallest and largest
+            value, the number of grasps, the rates of success by the labels of the file and in
+            simulation, and how often these agree.
         """
         check_name("column", column, map(str, self.table.select_dtypes("number")))
         tried, success = self._tried(place)
-        order = np.argsort(tried[column].to_numpy(np.float64), kind="stable")
-        rows = []
-        for name, chosen in zip(TERCILES, np.array_split(order, 3), strict=True):
+        whole = tried[column].to_numpy(np.float64)
+        thirds = np.array_split(np.argsort(whole, kind="stable"), 3)
+        rows, levels, parts = [], np.unique(whole), list(zip(TERCILES, thirds, strict=True))
+        if column == "friction" or 0 < len(levels) <= LEVELS:
+            parts = [(f"{level:g}", np.flatnonzero(whole == level)) for level in levels]
+        for name, chosen in parts:
             values, labels = tried[column].iloc[chosen], tried["source_success"].iloc[chosen]
             agreed = (labels == success[chosen])[labels.notna()]
             shares = (each.mean() for each in (labels, pd.Series(success[chosen]), agreed))
@@ -131,12 +142,15 @@ class GraspTrials:
         return self.table[known], outcome[known].isin(SUCCESSES[place]).to_numpy()
 
     def _groups(self, tried: pd.DataFrame) -> NDArray[np.str_]:
-        """What intervals resample: the object of each grasp, or the grasp."""
-        return np.asarray(tried["label"] if self.unit == "objects" else tried.index, str)
+        """What intervals resample: the object of each grasp, or the grasp at all levels."""
+        grasp = self.table.groupby(["friction", "mass"]).cumcount()
+        return np.asarray(tried["label"] if self.unit == "objects" else grasp[tried.index], str)
 
     def _lines(self) -> Iterator[str]:
         engine = engine_names(self.table.assign(engine=self.table["simulated_engine"]))
         yield f"{len(self)} grasps in {engine}, {self.table['collision_free'].sum()} collision-free"
+        friction, mass = (_from_to(self.table[each]) for each in ("friction", "mass"))
+        yield f"friction {friction}, mass {mass} kg"
         for place in OUTCOMES:
             yield f"{WHERE[place]}: success {self.rate(place)}"
             found = self.agreement(place)
@@ -149,6 +163,10 @@ class GraspTrials:
             areas = {name: self.area(name, place) for name in RATINGS}
             known = [f"{n} {_estimate(a)}" for n, a in areas.items() if np.isfinite(a.value)]
             yield f"  area under the ROC curve: {', '.join(known) or 'all alike'}"
+
+
+def _from_to(values: pd.Series) -> str:
+    return " to ".join(f"{each:.3g}" for each in np.unique([values.min(), values.max()]))
 
 
 def _estimate(found: Kappa | Area) -> str:
@@ -165,6 +183,8 @@ def try_grasps(
     *,
     name: str = "object",
     engine: EngineName = "mujoco",
+    friction: float | Sequence[float] = FRICTION,
+    mass: float | Sequence[float] | None = None,
     jobs: int = 1,
 ) -> GraspTrials:
     """Try grasps in simulation, and compare the labels and scores of their file with the results.
@@ -181,6 +201,10 @@ def try_grasps(
         n: How many grasps are tried at most, up to 1000: evenly spaced, in the order of the file.
         name: What the object is called in the table.
         engine: What computes the physics: `mujoco`, `pybullet` or `drake`.
+        friction: Friction of the fingers on the object, up to 2. Each grasp is tried with each of
+            several numbers. Qualities stay those that the grasps were rated with.
+        mass: Mass of the object, 0.05 to 100 kg, or several; by default that of 400 kg/m3, and at
+            least 0.05 kg.
         jobs: Number of processes; the result does not depend on it.
 
     Raises:
@@ -191,7 +215,7 @@ def try_grasps(
     Warns:
         PartsWarning: The object needs more convex parts than are allowed.
     """
-    hand = as_gripper(gripper)
+    hand, frictions = as_gripper(gripper), _levels("friction", friction, 0.0, 2.0)
     check_jaws(hand, "a grasp that is tried")
     check_engine(engine)
     if check_count("n", n) > MOST:
@@ -199,19 +223,27 @@ def try_grasps(
     rows = np.linspace(0, len(grasps) - 1, min(n, len(grasps))).round().astype(np.int64)
     _ = grasps.quality, grasps.collision_free  # an error without them
     table = grasps[rows].to_frame().assign(id=name, label=name)
-    settings = SimulatedLabelParameters(
-        gripper=hand,
-        quality=label_parameters(hand, 1, 0).quality,
-        trials=Lifting(),
-        simulated_label=SimulatedLabel(engine=engine),
-    )
+    table = table.assign(depth=fingertip_depths(mesh, table, hand))
+    masses = None if mass is None else _levels("mass", mass, MIN_MASS, 100.0)
     model, stable = _object_at_rest(mesh, name)
-    work = partial(_try, model=model, stable=stable, settings=settings)
-    chunks = [table.iloc[first : first + CHUNK] for first in range(0, len(table), CHUNK)]
+    work = partial(_try, model=model, stable=stable, gripper=hand, engine=engine)
+    chunks = [
+        table.iloc[first : first + CHUNK].assign(friction=each, mass=kilograms)
+        for each, kilograms in product(frictions, masses or [model.mass])
+        for first in range(0, len(table), CHUNK)
+    ]
     with workers(jobs) as mapper:
         tried = list(progress(mapper(work, chunks), "trying grasps", len(chunks)))
-    whole = pd.concat(tried).assign(depth=fingertip_depths(mesh, table, hand))
-    return GraspTrials(whole.reindex(columns=TRIED_GRASPS.names))
+    return GraspTrials(pd.concat(tried).reindex(columns=TRIED_GRASPS.names))
+
+
+def _levels(name: str, given: float | Sequence[float], least: float, most: float) -> list[float]:
+    """Numbers to try, once each; `UserError` if one is out of bounds."""
+    several = given if isinstance(given, list | tuple) else [given]
+    levels = [check_positive(name, each, most) for each in several]
+    if min(levels, default=-1.0) < least:
+        raise UserError(f"{name} is {given!r}; allowed: numbers from {least:g} to {most:g}")
+    return list(dict.fromkeys(levels))
 
 
 def fingertip_depths(mesh: trimesh.Trimesh, grasps: pd.DataFrame, gripper: Gripper) -> Floats:
@@ -238,16 +270,24 @@ def _object_at_rest(mesh: trimesh.Trimesh, name: str) -> tuple[Model, list[Pose]
 
 
 def _try(
-    grasps: pd.DataFrame, model: Model, stable: Sequence[Pose], settings: SimulatedLabelParameters
+    grasps: pd.DataFrame, model: Model, stable: Sequence[Pose], gripper: Gripper, engine: EngineName
 ) -> pd.DataFrame:
-    """Grasps with the columns of `TRIED_GRASPS` that simulation fills in."""
+    """Grasps of one friction and mass with the columns that simulation fills in."""
+    friction, mass = map(float, grasps[["friction", "mass"]].iloc[0])
+    model = replace(model, mass=mass, inertia=model.inertia * (mass / model.mass))
+    settings = SimulatedLabelParameters(
+        gripper=gripper,
+        quality=label_parameters(gripper, 1, 0, friction=friction).quality,
+        trials=Lifting(),
+        simulated_label=SimulatedLabel(engine=engine),
+    )
     fitting = np.flatnonzero(grasps["fits"])
     free = simulate_grasps(model, grasps.iloc[fitting], settings)
     tried = with_simulated_labels(grasps, fitting, free, settings)
     tried["simulated_outcome"] = tried["simulated_outcome"].fillna(Outcome.COLLIDED.value)
-    gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
+    gripper = gripper.model_copy(update={"friction": friction})
     poses = open_hand_poses(Grasps(grasps), gripper)
-    with open_world(settings.simulated_label.engine, [model], free_hand(gripper)) as world:
+    with open_world(engine, [model], free_hand(gripper)) as world:
         found = [_on_table(world, pose, stable, gripper).value for pose in poses]
     return tried.assign(table_outcome=found)
 

@@ -92,6 +92,8 @@ TRIED_GRASPS = schema(
     *SIMULATED_GRASPS,
     text("table_outcome", f"outcome on a table: {listed((*EXECUTION, *SIMULATION_FAILURES))}"),
     real("depth", "how far the fingertips reach below the surface between the fingers", "m"),
+    real("friction", "friction of the fingers on the object in simulation"),
+    real("mass", "mass of the object in simulation", "kg"),
     real("source_success", "label of the file that the grasp was read from, 1 or 0"),
     real("source_score", "score of that file"),
 )

@@ -5,6 +5,7 @@ import pytest
 import trimesh
 
 import egad
+from egad.detectors import DetectorConfig
 from egad.errors import UserError
 from egad.grasps import hand_poses
 
@@ -71,6 +72,8 @@ def test_wrong_uses_are_refused(tmp_path):
         egad.run_trials("labels", bar, **RUN, grasps={"bar": bare})
     with pytest.raises(UserError, match="grasps are for the detector labels"):
         egad.run_trials("random", bar, **RUN, grasps={"bar": grasps})
+    with pytest.raises(UserError, match=r"grasps:bar\.npz: in Python, give labels the `grasps`"):
+        egad.run_trials(DetectorConfig(detector="grasps:bar.npz"), bar, **RUN)
     with pytest.raises(UserError, match="rule is 'paper'; with grasps, it is 'none'"):
         egad.run_trials("labels", bar, **RUN | {"rule": "paper"}, grasps={"bar": grasps})
     with pytest.raises(UserError, match="no grasps of 'bar'; there are some of mug"):

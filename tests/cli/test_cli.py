@@ -123,6 +123,18 @@ def test_check_config_says_what_is_wrong(tmp_path, content):
         assert "shards" in result.stderr
 
 
+def test_check_config_names_missing_files(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text(
+        "detectors: {mine: {detector: grasps:no/a.h5}}\ntargets: {detectors: [mine]}\n"
+        "datasets: {parts: {source: meshes, folder: no/parts, units: m}}\n"
+    )
+    result = egad("check-config", path)
+    assert result.returncode == 1
+    assert "detectors.mine: no/a.h5 is neither a file of grasps nor a folder" in result.stderr
+    assert "datasets.parts: no/parts" in result.stderr
+
+
 @pytest.fixture
 def folder(tmp_path):
     """A cube, and a file that is no mesh."""

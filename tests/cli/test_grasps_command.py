@@ -71,14 +71,18 @@ def test_grasps_go_from_one_format_to_the_next_and_back(folder, tmp_path):
 def test_grasps_are_tried_and_compared_with_the_labels_of_their_file(folder, tmp_path):
     """Of the grasps that hold, the file calls two of three successes."""
     file, out = folder / "grasp_data/panda/bar.json", tmp_path / "tried.csv"
-    options = ("--n", "15", "--jobs", "1", "--out", out)
+    levels = ("--friction", "0.1", "--friction", "0.5", "--mass", "0.2")
+    options = ("--n", "15", "--jobs", "1", "--out", out, *levels)
     done = run("grasps", "try", file, *common(folder), *options)
     assert done.returncode == 0, done.stderr
     table = pd.read_csv(out)
-    assert len(table) == 15
+    assert len(table) == 30
+    assert table.groupby(["friction", "mass"]).size().to_dict() == {(0.1, 0.2): 15, (0.5, 0.2): 15}
     both = int(((table["simulated_outcome"] == "success") & (table["source_success"] == 1)).sum())
     assert f"both succeed {both}, only the label" in done.stdout
-    assert "by depth" in done.stdout
+    assert "by depth, m " in done.stdout
+    assert "by friction " in done.stdout
+    assert "by mass" not in done.stdout
     assert "labelled" in done.stdout
     done = run("grasps", "try", file, file, *common(folder), *options)
     assert "--mesh is given 1 times; allowed: once for each file" in done.stderr

@@ -1,5 +1,7 @@
 """Detectors are found by their names, and what users bring cannot break a run."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import trimesh
@@ -110,12 +112,23 @@ def test_weights_for_a_function_are_a_mistake(file):
         ({"detector": "telepathy"}, "labels, random, suction-cloud, suction-depth, vgn, graspgen"),
         ({"detector": "telepathy"}, "vgn, graspgen, FILE.py:CLASS"),
         ({"detector": "random", "weights": "w.pt"}, "takes no `weights`"),
+        ({"detector": "grasps:"}, "'grasps:'; allowed: .*grasps:FILE or grasps:FOLDER"),
+        ({"detector": "grasps:a.h5", "weights": "w"}, "grasps:a.h5 takes no `weights`"),
         ({"detector": "ggcnn", "avoid_collisions": True}, "ggcnn takes no `avoid_collisions`"),
     ],
 )
 def test_what_no_detector_can_be_is_refused(values, words):
     with pytest.raises(ValueError, match=words):
         DetectorConfig(**values)
+
+
+def test_known_grasps_need_the_pose_of_the_object():
+    known = DetectorConfig(detector="grasps:~/a.h5")
+    assert known.known_grasps == Path.home() / "a.h5"
+    assert DetectorConfig(detector="my/grasps:9.py:Own").known_grasps is None
+    assert fingerprint(known) == []
+    with pytest.raises(UserError, match=r"grasps:~/a.h5 knows where the object is"):
+        make_detector(known)
 
 
 def test_edited_code_or_weights_have_another_fingerprint(tmp_path):

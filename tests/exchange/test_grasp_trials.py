@@ -93,6 +93,59 @@ def test_a_ball_is_put_down_so_that_each_grasp_comes_from_above():
     assert set(tried.table["table_outcome"]) == {"success"}
 
 
+def try_middle(tmp_path, engine="mujoco", **levels):
+    """Two grasps across the middle of a cube by a hand of 5 N."""
+    poses = hand_poses(np.zeros((2, 3)), np.tile(ACROSS, (2, 1)), np.array([DOWN, (0, 1, 0)]))
+    np.savez(tmp_path / "a.npz", poses=poses, success=[1, 1], frame="x z", depth=0.0, units="m")
+    hand = egad.Gripper(opening=0.08, force=5.0)
+    grasps = egad.read_grasps(tmp_path / "a.npz", mesh=CUBE, gripper=hand)
+    return egad.try_grasps(grasps, CUBE, hand, engine=engine, **levels)
+
+
+@EACH_FAST_ENGINE
+def test_two_fingers_hold_what_coulomb_friction_can_carry(engine, tmp_path):
+    """Their friction carries at most 2 x friction x force, far from the weight."""
+    levels = {"friction": [0.14, 0.5, 1.8], "mass": [0.05, 0.25, 0.9]}
+    tried = try_middle(tmp_path, engine, **levels)
+    table = tried.table
+    assert len(table) == 18
+    weight, carried = 9.81 * table["mass"], 2 * table["friction"] * 5.0
+    assert (np.abs(np.log(carried / weight)) > np.log(1.7)).all()
+    for place in ("simulated_outcome", "table_outcome"):
+        assert ((table[place] == "success") == (carried > weight)).all()
+    for column, values in levels.items():
+        found = tried.by(column, "table")
+        assert found[column].astype(float).tolist() == values
+        held = (carried > weight).groupby(table[column]).mean()
+        assert found["simulated"].tolist() == found["agreement"].tolist() == held.tolist()
+    assert "friction 0.14 to 1.8, mass 0.05 to 0.9 kg" in repr(tried)
+
+
+def test_each_friction_and_mass_is_tried_as_if_alone(tmp_path):
+    whole = try_middle(tmp_path, friction=(0.3, 0.6), mass=(0.1, 0.2)).table
+    for friction in (0.3, 0.6):
+        rows = whole[(whole["friction"] == friction) & (whole["mass"] == 0.2)]
+        alone = try_middle(tmp_path, friction=friction, mass=0.2).table
+        pd.testing.assert_frame_equal(rows.reset_index(drop=True), alone)
+    usual = try_middle(tmp_path).table
+    assert set(usual["friction"]) == {0.5}
+    assert set(usual["mass"]) == {0.05}  # 400 kg/m3 would be 26 g
+
+
+def test_more_levels_do_not_make_intervals_narrower():
+    rng = np.random.default_rng(1)
+    labels, held = rng.random((2, 60)) < 0.6
+    outcome = np.where(held, "success", "missed")
+    one = pd.DataFrame({"simulated_outcome": outcome, "source_success": labels.astype(float)})
+    one = one.assign(label="a", mass=1.0, source_score=rng.random(60))
+    tables = [one.assign(friction=friction) for friction in (0.2, 0.4, 0.8)]
+    first, whole = GraspTrials(tables[0]), GraspTrials(pd.concat(tables))
+    assert whole.agreement().interval == first.agreement().interval
+    assert whole.area().interval == pytest.approx(first.area().interval)
+    ends = np.diff([first.rate().interval, whole.rate().interval])[:, 0]
+    assert ends[1] > 0.9 * ends[0]
+
+
 def test_depth_is_that_of_the_fingertips_below_the_surface(read):
     """The fingertips of a Panda are 10.5 mm beyond the contacts, half of 21 mm."""
     found = fingertip_depths(CUBE, read.to_frame(), egad.gripper("panda"))
@@ -125,7 +178,9 @@ def test_intervals_are_over_objects_if_there_are_several():
     table = pd.DataFrame({"grasp": range(600), "label": np.repeat(list("abcdef"), 100)})
     score = rng.random(600)
     outcomes = np.where(rng.random(600) < score, "success", "missed")
-    table = table.assign(source_score=score, source_success=(score > 0.5).astype(float))
+    table = table.assign(
+        source_score=score, friction=0.5, mass=0.1, source_success=(score > 0.5).astype(float)
+    )
     tried = GraspTrials(table.assign(simulated_outcome=outcomes, table_outcome=outcomes))
     assert tried.unit == "objects"
     assert tried.area().interval[0] < tried.area().value < tried.area().interval[1]
@@ -140,6 +195,11 @@ def test_what_cannot_be_tried_is_refused(read, tmp_path):
         egad.try_grasps(read, CUBE, "cup_30mm")
     with pytest.raises(UserError, match="n is 1001; allowed: a whole number from 1 to 1000"):
         egad.try_grasps(read, CUBE, "panda", n=1001)
+    for wrong in (0, 2.1, "0.5", [0.5, -1], []):
+        with pytest.raises(UserError, match=r"friction is .*; allowed: "):
+            egad.try_grasps(read, CUBE, "panda", friction=wrong)
+    with pytest.raises(UserError, match=r"mass is 0\.01; allowed: numbers from 0\.05 to 100"):
+        egad.try_grasps(read, CUBE, "panda", mass=0.01)
     with pytest.raises(UserError, match="rating 'speed' is not known"):
         GraspTrials(read.to_frame().assign(label="cube")).area("speed")
     np.savez(tmp_path / "a.npz", poses=np.eye(4)[None], widths=[0.04])

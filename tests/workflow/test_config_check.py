@@ -130,6 +130,14 @@ def test_a_sentence_says_what_is_wrong_and_what_is_allowed(config, line):
             },
             "targets.failures: shapes of targets.datasets has the source `primitives`, without",
         ),
+        (
+            {
+                "detectors": {"mine": {"detector": "grasps:a.h5"}},
+                "targets": {"grippers": ["cup_30mm"], "detectors": ["mine"], "failures": ["mine"]},
+            },
+            "targets.detectors: with cup_30mm of targets.grippers, the detector grasps:a.h5 is for "
+            "jaws",
+        ),
         ({"select_eval": {"gripper": "other"}}, "select_eval.gripper: 'other' is not defined"),
         ({"render": {"camera": "other"}}, "render.camera: 'other' is not defined"),
         ({"release": {"gripper": "other"}}, "release.gripper: 'other' is not defined"),

@@ -1,7 +1,7 @@
 """Clutter: a grasp detector clears tables of several objects of the evaluation set.
 
-Inputs: results/D/bundle/G; for the detector `labels` also results/D/grasps/G.parquet, and
-its weights, if a workflow makes them.
+Inputs: results/D/bundle/G; for the detector `labels` also results/D/grasps/G.parquet, for
+`grasps:` its files; its weights, if a workflow makes them.
 Outputs: results/D/clutter/G/P.parquet, one row per attempt; made for `targets.clutter`.
 Steps: rounds are run in shards; then the tables of the shards are joined.
 """
@@ -40,7 +40,7 @@ rule clutter:
         bundle=subpath(input.table, parent=True),
         shard=shard_of(len(SHARDS)),
         code=code_of("clutter"),
-        contents=contents_of(gripper_files),
+        contents=contents_of(gripper_files, labelled),
         detector=detector_code,
     message:
         "Clearing tables with {wildcards.detector} and {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"

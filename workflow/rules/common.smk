@@ -19,6 +19,7 @@ from egad.exchange import (
     FORMATS,
     NamedGripper,
     check_format,
+    files_of_grasps,
     last_files,
     module_of,
     modules_of_format,
@@ -36,7 +37,7 @@ from egad._util.kernel_cache import compiled_marker
 from egad._util.progress import MARKS
 from egad.plugins import source_hash
 from egad.grasps.samplers import own_samplers
-from egad.detectors import NETWORKS, fingerprint
+from egad.detectors import NETWORKS, fingerprint, knows_scene
 from egad.learning.images import shard_count
 from egad.learning.scenes import shard_count as scene_shard_count
 
@@ -177,10 +178,12 @@ def exported_from(wildcards):
 
 
 def labelled(wildcards):
-    """The labelled grasps for the detector `labels`; none for others."""
-    knows = SETTINGS.detectors[wildcards.detector].detector == "labels"
+    """The labelled grasps for the detector `labels`, or the files of known grasps, if any."""
+    detector = SETTINGS.detectors[wildcards.detector]
+    if detector.known_grasps:
+        return [str(path) for path in files_of_grasps(detector.known_grasps)]
     file = f"results/{wildcards.dataset}/grasps/{wildcards.gripper}.parquet"
-    return [file] if knows else []
+    return only_if(knows_scene(detector), file)
 
 
 def weights_of_detector(wildcards):
@@ -228,12 +231,12 @@ def files_of_gripper(name):
     return [str(path) for path in files_of(SETTINGS.grippers[name])]
 
 
-def contents_of(files):
+def contents_of(*inputs):
     """A checksum of inputs that are not results; an older file may have replaced them.
 
     Snakemake re-runs a job if params that depend on wildcards change, not on its input.
     """
-    return lambda wildcards: contents(files(wildcards))
+    return lambda wildcards: contents(file for each in inputs for file in each(wildcards))
 
 
 def again_if_incomplete(output):

@@ -1,7 +1,7 @@
 """Simulated-trial: attempts of a grasp detector on the evaluation set.
 
 Inputs: results/D/eval49.parquet, results/D/bundle/G; for the detector `labels` also
-results/D/grasps/G.parquet, and its weights, if a workflow makes them.
+results/D/grasps/G.parquet, for `grasps:` its files; its weights, if a workflow makes them.
 Outputs: results/D/trials/G/P.parquet, one row per attempt.
 Steps: trials on shards of objects; then the tables of the shards are joined.
 """
@@ -43,7 +43,7 @@ rule simulated_trial:
         bundle=subpath(input.table, parent=True),
         shard=shard_of(len(EVALUATION_SHARDS)),
         code=code_of("simulate"),
-        contents=contents_of(gripper_files),
+        contents=contents_of(gripper_files, labelled),
         detector=detector_code,
     message:
         "Running trials of {wildcards.detector} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"

@@ -11,9 +11,8 @@ import pandas as pd
 from egad._util.progress import phase, progress
 from egad.bench import ENGINE_TIME, ClearedTables, Round, failed_round, rounds_of
 from egad.bench.clearing import Cleared, open_table
-from egad.detectors import LABELS, STARTING_TIME, FailureMonitor, keep_failure
-from egad.errors import UserError
-from egad.exchange import model_in, rows_by_id
+from egad.detectors import STARTING_TIME, FailureMonitor, keep_failure, knows_scene
+from egad.exchange import labels_in_bundle, model_in, rows_by_id
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.grasping import GRASPS
@@ -62,14 +61,11 @@ def open_clutter(
 ) -> Iterator[Callable[[Round], Cleared]]:
     """A function that lets the detector clear one table of objects of a bundle."""
     known = rows_by_id(bundle)
-    by_id = {} if grasps is None else dict(list(parquet.read(grasps, GRASPS).groupby("id")))
-    none = parquet.empty(GRASPS)
-    if settings.detector.detector == LABELS and grasps is None:
-        raise UserError("the detector `labels` needs the table of labelled grasps")
+    detector, none = settings.detector, parquet.empty(GRASPS)
+    knows = knows_scene(detector)
+    labels = labels_in_bundle(detector, settings.gripper, bundle, grasps) if knows else {}
     model = cache(lambda name: model_in(bundle, known[name]))
-    with open_table(
-        settings.detector, model, lambda name: by_id.get(name, none), settings
-    ) as clear:
+    with open_table(detector, model, lambda name: labels.get(name, none), settings) as clear:
         yield clear
 
 

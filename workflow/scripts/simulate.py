@@ -13,16 +13,15 @@ from egad._util.progress import phase, progress
 from egad.bench import ENGINE_TIME, SimulatedTrials, failed_attempts, run_attempts, run_or_replace
 from egad.detectors import (
     IN_SCENES,
-    LABELS,
     Detector,
     FailureMonitor,
     Labels,
     check_views_will_do,
     keep_failure,
+    knows_scene,
     opened,
 )
-from egad.errors import UserError
-from egad.exchange import model_in, rows_by_id
+from egad.exchange import labels_in_bundle, model_in, rows_by_id
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.grasping import GRASPS
@@ -67,7 +66,7 @@ def open_trials(
     settings: SimulatedTrials, bundle: Path, grasps: Path | None
 ) -> Iterator[Callable[[Mapping[str, Any]], pd.DataFrame]]:
     """A function that runs all attempts of an object, given its row in the bundle."""
-    with open_detector(settings, grasps) as detector_of:
+    with open_detector(settings, bundle, grasps) as detector_of:
 
         def attempts(row: Mapping[str, Any]) -> pd.DataFrame:
             detect = detector_of(row["id"])
@@ -78,15 +77,13 @@ def open_trials(
 
 @contextmanager
 def open_detector(
-    settings: SimulatedTrials, grasps: Path | None
+    settings: SimulatedTrials, bundle: Path, grasps: Path | None
 ) -> Iterator[Callable[[str], Detector | Labels]]:
     """A function that returns the detector of an object by its id, valid within the context."""
-    config = settings.detector
-    if config.detector == LABELS:
-        if grasps is None:
-            raise UserError("the detector `labels` needs the table of labelled grasps")
-        table = parquet.read(grasps, GRASPS)
-        yield lambda object_id: Labels(table[table["id"] == object_id])
+    config, none = settings.detector, parquet.empty(GRASPS)
+    if knows_scene(config):
+        labels = labels_in_bundle(config, settings.gripper, bundle, grasps)
+        yield lambda object_id: Labels(labels.get(object_id, none))
         return
     if config.detector in IN_SCENES:
         check_views_will_do(IN_SCENES[config.detector])

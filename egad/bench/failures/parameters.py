@@ -6,7 +6,7 @@ from pydantic import Field
 
 from egad._util.parameters import Fraction, ParameterGroup, Parameters, PositiveFraction, Seed
 from egad.bench.parameters import PLANNING_TIME, ContactRule, PlanningTime
-from egad.detectors import DetectorConfig, check_gripper
+from egad.detectors import DetectorConfig, check_gripper, knows_scene
 from egad.errors import UserError
 from egad.evalset import PrintCheck
 from egad.evolution import EvolutionParameters
@@ -74,10 +74,10 @@ class FailureParameters(ParameterGroup):
 
 def check_searchable(detector: DetectorConfig, gripper: Gripper) -> None:
     """Raise UserError if a detector knows where objects lie, or is for another kind of gripper."""
-    if detector.detector == "labels":
+    if knows_scene(detector):
         raise UserError(
-            "the detector labels knows where objects lie, as the reference does; search for "
-            "failures of a detector that has to see them"
+            f"the detector {detector.name} knows where objects lie, as the reference does; search "
+            "for failures of a detector that has to see them"
         )
     check_gripper(detector.name, gripper)
 

@@ -13,6 +13,7 @@ from commands import egad
 from PIL import Image
 from report import scene_pictures
 
+from egad import sample_grasps
 from egad.bench import (
     ClearedTables,
     ClutterParameters,
@@ -181,6 +182,17 @@ def deadly(*_):
 def test_labels_need_grasps(made, tmp_path):
     with pytest.raises(UserError, match="`labels` needs the table of labelled grasps"):
         clutter.run(settings("labels"), made, (0, 1), tmp_path / "out.parquet")
+
+
+def test_tables_are_cleared_with_known_grasps(made, tmp_path):
+    """Boxes that lie apart: each has grasps in a file that is named after it."""
+    (tmp_path / "known").mkdir()
+    for name, mesh in MESHES.items():
+        poses = sample_grasps(mesh, GRIPPER, n=100).poses
+        np.savez(tmp_path / "known" / name, poses=poses, frame="x z", depth=0.0, units="m")
+    given = settings(f"grasps:{tmp_path / 'known'}", scenes=["packed"])
+    found = cleared(given, made, tmp_path / "out.parquet")
+    assert found["success"].mean() > 0.7
 
 
 @pytest.mark.usefixtures("small_films")

@@ -13,7 +13,9 @@ from commands import egad
 from dying_worker import Dying
 from PIL import Image
 
+from egad import sample_grasps
 from egad.bench import SimulatedTrials, film_attempt
+from egad.detectors import DetectorConfig
 from egad.errors import UserError
 from egad.exchange import bundle_models, evaluation_objects, model_in, write_bundle
 from egad.io import write_obj
@@ -99,6 +101,31 @@ def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monk
     outcomes = dict(zip(trials["label"], trials["outcome"], strict=True))
     assert outcomes == {"A0": "crashed", "A1": "crashed", "B0": "failed"}
     assert "A0 (id-A0): everything crashed" in caplog.text
+
+
+def known_of(folder, path, *labels):
+    """Settings with the files of grasps of some objects as the detector."""
+    folder.mkdir()
+    for label in labels:
+        mesh = MESHES[label].copy().apply_translation((0.1, 0.2, 0.3))
+        poses = sample_grasps(mesh, SETTINGS.gripper, n=200).poses
+        np.savez(folder / f"{label}.npz", poses=poses, frame="x z", depth=0.0, units="m")
+    detector = DetectorConfig(detector=f"grasps:{path}")
+    return SETTINGS.model_copy(update={"detector": detector})
+
+
+def test_known_grasps_are_tried_wherever_their_objects_lie(dataset, tmp_path):
+    """They are in the frame of the scaled mesh, whose origin is far from the object."""
+    settings = known_of(tmp_path / "all", tmp_path / "all", "A0", "A1")
+    trials = parquet.read(tried(dataset, tmp_path / "a.parquet", settings=settings), TRIALS)
+    assert (trials[trials["label"] != "B0"]["outcome"] == "success").mean() > 0.6
+
+
+@pytest.mark.parametrize("path", ["one", "one/A0.npz"])
+def test_each_object_needs_known_grasps_of_its_own(dataset, tmp_path, path):
+    settings = known_of(tmp_path / "one", tmp_path / path, "A0")
+    with pytest.raises(UserError, match="there are no grasps of 'A1'; there are some of A0"):
+        tried(dataset, tmp_path / "a.parquet", settings=settings)
 
 
 def replayed(dataset, label, attempt, out):
