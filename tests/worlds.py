@@ -41,13 +41,20 @@ def hand_at(world: World, hand_pose: HandPose, width: float, arm: str = "axis") 
 
 def twist(world: Any, torque: Sequence[float]) -> None:
     """Turn the object by a torque (N m) in the next step."""
+    pull(world, (0.0, 0.0, 0.0), torque)
+
+
+def pull(world: Any, force: Sequence[float], torque: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+    """Pull the object at its center of mass (N), and turn it (N m), in the next step."""
     if hasattr(world, "data"):
-        world.data.xfrc_applied[world.engine.body("object0").id, 3:] = torque
+        world.data.xfrc_applied[world.engine.body("object0").id] = [*force, *torque]
     elif hasattr(world, "scene"):
         plant = world.scene.plant
         speed = plant.GetJointByName("object0").velocity_start()
-        pull = np.zeros(plant.num_velocities())
-        pull[speed : speed + 3] = torque
-        plant.get_applied_generalized_force_input_port().FixValue(world.context, pull)
+        loads = np.zeros(plant.num_velocities())
+        loads[speed : speed + 6] = [*torque, *force]
+        plant.get_applied_generalized_force_input_port().FixValue(world.context, loads)
     else:
-        world.client.applyExternalTorque(world.objects[0], -1, torque, 2)  # in the world's frame
+        body, at = world.objects[0], world.pose().position.tolist()
+        world.client.applyExternalForce(body, -1, force, at, 2)  # in the world's frame
+        world.client.applyExternalTorque(body, -1, torque, 2)

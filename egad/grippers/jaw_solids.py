@@ -48,10 +48,14 @@ def solids_of(model: mujoco.MjModel, body: int) -> list[trimesh.Trimesh]:
     for points, faces in shape_surfaces(model, body):
         with suppress(QhullError):  # it is flat, and touches nothing
             try:
-                mesh = trimesh.Trimesh(points, faces) if len(faces) else _hull(points)
+                mesh = (
+                    trimesh.Trimesh(points, faces)
+                    if len(faces)
+                    else trimesh.convex.convex_hull(points)
+                )
                 solids.append(wind_outwards(mesh))
             except RejectedError:
-                solids.append(_hull(points))
+                solids.append(trimesh.convex.convex_hull(points))
     return solids
 
 
@@ -84,11 +88,6 @@ def find_facing(mechanism: Mechanism, body: int, moving: RayCaster, fixed: RayCa
     axis, alike = _prevailing(faces, 1 / (gaps + NEAR))
     normal, _ = _prevailing(own[alike], 1 / (gaps[alike] + NEAR))
     return Facing(axis, normal, closing, met[alike])
-
-
-def _hull(points: Floats) -> trimesh.Trimesh:
-    hull: trimesh.Trimesh = trimesh.convex.convex_hull(points)
-    return hull
 
 
 def _looks(

@@ -13,7 +13,7 @@ from egad.geometry import decompose, is_solid, to_mesh, to_solid
 from egad.grippers.description import shapes_of
 from egad.grippers.fingers import Sides
 from egad.grippers.jaw import GRID, PAD_DEPTH, JawStroke
-from egad.grippers.jaw_solids import BREADTH, SKIN, JawFrame, JawSolids
+from egad.grippers.jaw_solids import BREADTH, SKIN, JawFrame, JawSolids, solids_of
 from egad.grippers.mechanism import body_name, joint_name
 from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandLink, LinkJoint
 
@@ -24,14 +24,14 @@ JAW, PALM = (5e-4, 0.1), (2e-3, 0.5)
 MAX_PARTS = 64
 
 
-def hand_link(model: mujoco.MjModel, body: int, bodies: list[int], sides: Sides) -> HandLink:
-    """A link of a hand; `UserError` if it has several joints."""
+def hand_link(
+    model: mujoco.MjModel, body: int, bodies: list[int], sides: Sides, *, grooved: bool
+) -> HandLink:
+    """A link of a hand, grooved ones as convex parts; `UserError` if it has several joints."""
     shapes = []
-    for points in shapes_of(model, body):
-        try:
+    for points in _parts(solids_of(model, body), *JAW) if grooved else shapes_of(model, body):
+        with suppress(QhullError):  # it is flat, and touches nothing
             shapes.append(points[ConvexHull(points).vertices])
-        except QhullError:  # it is flat, and touches nothing
-            continue
     fingers = zip((FIRST_FINGER, SECOND_FINGER), sides.links, strict=True)
     side = next((side for side, links in fingers if body in links), PALM_BODY)
     carrier = int(model.body_parentid[body])

@@ -41,7 +41,7 @@ from egad.grippers.mechanism import (
     subtree,
 )
 from egad.grippers.model import HandModel
-from egad.grippers.pads import Stroke, find_stroke
+from egad.grippers.pads import UNEVEN, Stroke, find_stroke
 
 log = logging.getLogger(__name__)
 
@@ -137,8 +137,11 @@ def _tabulated(
     ]
     pad = (np.concatenate(corners) - origin) @ axes.T
     order = [*mechanism.driven, *mechanism.followers]
+    grooved = pads.links if pads.recess[1] > UNEVEN else ()
     return HandModel(
-        links=tuple(hand_link(description, body, bodies, sides) for body in bodies),
+        links=tuple(
+            hand_link(description, body, bodies, sides, grooved=body in grooved) for body in bodies
+        ),
         openings=(stroke.middles[:, 1] - stroke.middles[:, 0]) @ sides.axis,
         reach=(stroke.middles - stroke.middles[0]).mean(axis=1) @ axes[2],
         aside=np.zeros(len(stroke.middles)),

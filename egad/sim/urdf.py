@@ -31,8 +31,8 @@ def to_urdf(robot: Robot) -> str:
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def hull_files(robot: Robot, margin: float = 0.0) -> dict[str, str]:
-    """The hulls of a robot as OBJ files by name, shrunk by a margin, metres, where thick enough."""
+def hull_files(robot: Robot, margin: float) -> dict[str, str]:
+    """The hulls of a robot as OBJ files by name, shrunk by a margin, metres; thin ones by less."""
     files = {}
     for link in robot.links:
         for number, shape in enumerate(link.shapes):
@@ -43,10 +43,10 @@ def hull_files(robot: Robot, margin: float = 0.0) -> dict[str, str]:
 
 
 def _shrunk(points: Floats, margin: float) -> Floats:
+    """Corners of a hull whose faces lie deeper by a margin, or by nine tenths of its depth."""
     planes, middle = ConvexHull(points).equations, points.mean(axis=0)
-    planes[:, 3] += margin
-    if (planes @ [*middle, 1] > -margin).any():
-        return points
+    depth = -float((planes @ [*middle, 1]).max())
+    planes[:, 3] += min(margin, 0.9 * depth)
     return np.asarray(HalfspaceIntersection(planes, middle).intersections)
 
 

@@ -9,6 +9,7 @@ import manifold3d
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import ConvexHull
 
 from egad.geometry import to_mesh
 from egad.grippers import Gripper
@@ -155,6 +156,18 @@ def test_the_window_of_pads_is_said_to_be_open(tmp_path):
     hand = Gripper.from_file(tmp_path / "hand.urdf")
     assert re.search(r"the pads; 1\d % of their faces is open$", hand_facts(hand, model)["opening"])
     assert hand_doubts(hand, model) == []
+
+
+def test_the_groove_of_parallel_fingers_is_not_filled(tmp_path):
+    """V-shaped, with its bottom in the middle; the hull of a finger would fill it."""
+    bottom = np.tan(np.radians(30)) * WIDE / 2000
+    x, in_groove = zip((0.2, True), (0.8, True), (1.2, False), strict=True)
+    points = np.array([(part * bottom, 0.0, 0.05) for part in x])
+    inside = np.zeros(3, dtype=bool)
+    for corners in parallel(tmp_path, FINGERS["V of 30 degrees"]).links[1].shapes:
+        planes = ConvexHull(corners).equations
+        inside |= (points @ planes[:, :3].T + planes[:, 3] < 1e-4).all(axis=1)
+    assert tuple(~inside) == in_groove
 
 
 def test_opposite_pins_end_the_range_where_they_meet(tmp_path):
