@@ -12,10 +12,12 @@ from egad.objects import NamedMesh
 from egad.report.hand import hand_entry
 from egad.report.hand_shape import hand_shapes, painted
 from egad.report.hands import write_card
+from egad.report.log_sheet import LogObject, page, plan
 from egad.report.pictures import png_bytes, render
 from egad.tables.hands import GRASPERS
 
-PICTURE = 480  # pixels
+PICTURE, OBJECT = 480, 256  # pixels
+ROUNDS = 3  # of attempts before and after, on a robot
 SIZES = ("opening", "finger_length", "force")
 CHANGE = 0.5  # of the success rate at an object, that is told as a gain or loss
 PRINTING = """## Print and mount
@@ -23,8 +25,17 @@ PRINTING = """## Print and mount
 `first_tip.stl` and `second_tip.stl` (together `tips.3mf`) lie as they are printed: without support,
 4 perimeters or more, full infill. The first one is for the fixed jaw, if one jaw is fixed. The foot
 of a tip fits the shape of its jaw that collides: to 0.5 mm if one jaw moves, else its convex hull.
-Sand the jaw and glue the foot with epoxy, or drill through both and screw it. Then check on the
-robot: `egad log-sheet`."""
+"""
+MOUNTING = {
+    "glue": "Sand the jaw and glue the foot with epoxy.",
+    "screw": "Drill the jaw through the foot, 3.4 mm, and use countersunk M3 screws.",
+    "join": "Each print is a jaw with its tip, of the shape that collides, from the palm on: cut "
+    "the bores again that this fills, and let the slicer check thin walls and add support.",
+}
+CHECKING = """
+
+Then check on the robot: `log.html` logs attempts before and after in random order, in rounds; `egad
+trials compare` reads its CSV file."""
 
 
 def write_tip_pages(
@@ -39,6 +50,19 @@ def write_tip_pages(
         (out / file).write_bytes(png_bytes(render(mesh, PICTURE)))
     write_text(out / "hand.yaml", hand_entry("with_tips", hand, model_of(hand)))
     write_text(out / "datasheet.md", datasheet(designed, name, base))
+    write_text(out / "log.html", _log_page(designed, name, targets))
+
+
+def _log_page(designed: DesignedTips, name: str, targets: Sequence[NamedMesh]) -> str:
+    """The page to log attempts at the objects of the cards, before and after."""
+    judged = set(next(iter(designed.cards.values())).table["label"])
+    objects = [
+        LogObject(each.label, each.id, png_bytes(render(each.mesh(), OBJECT)))
+        for each in targets
+        if each.label in judged
+    ]
+    planned = plan(judged, ROUNDS, ("before", "after"), 0, blind=False, rounds=True)
+    return page(planned, objects, f"{name}, before and after")
 
 
 def datasheet(designed: DesignedTips, name: str, base: Gripper) -> str:
@@ -56,7 +80,7 @@ def datasheet(designed: DesignedTips, name: str, base: Gripper) -> str:
         f"{len(designed.chosen_on)} objects: {', '.join(designed.chosen_on)}. The rates below are "
         "of other objects and drops, with 95 % intervals over objects.",
         *(_results(engine, card) for engine, card in designed.cards.items()),
-        PRINTING,
+        PRINTING + MOUNTING[designed.design.mount] + CHECKING,
     ]
     return "\n\n".join(parts) + "\n"
 

@@ -1,5 +1,8 @@
 """`egad design`: what it writes, and what it says about a bad space or hand."""
 
+import json
+import re
+
 import pytest
 import trimesh
 import yaml
@@ -54,6 +57,11 @@ def test_the_folder_has_the_hand_the_prints_a_card_and_a_datasheet(folder):
     entry = yaml.safe_load((out / "hand.yaml").read_text())["grippers"]["with_tips"]
     assert entry["force"] == 40
     assert entry["file"] == "tips/hand.urdf"
+    page = (out / "log.html").read_text()
+    sheet = json.loads(re.search(r'id="sheet">(.*?)</script>', page, re.DOTALL)[1])
+    assert [each["name"] for each in sheet["detectors"]] == ["before", "after"]
+    assert {each["label"] for each in sheet["objects"]} == set(card.table["label"])
+    assert len(sheet["order"]) == 2 * 3 * len(sheet["objects"])
     expected = {"first_tip.stl", "second_tip.stl", "tips.3mf", "before.png", "after.png"}
     assert expected | {"card-mujoco.html", "designs.parquet"} <= {p.name for p in out.iterdir()}
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
+import trimesh
 from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
@@ -56,26 +57,26 @@ def tip_problems(
 
 
 def _print_problems(tips: Sequence[Tip], limits: TipLimits) -> Iterator[str]:
-    """Walls of the plates, and overhangs."""
+    """Walls of the plates, and overhangs of what is added to the jaws; screw holes are bridged."""
     for name, tip in zip(NAMES, tips, strict=True):
         plate = to_mesh(union_of_hulls(tip.pieces[:-1]))
         for problem in print_problems(plate, PrintCheck(wall=limits.wall)):
             yield f"{name} cannot be printed: its plate has {problem}"
-        overhang = overhang_area(tip.mesh, print_rotation(tip))
+        overhang = overhang_area(tip.added, print_rotation(tip.added, tip.pose))
         if overhang > OVERHANG:
             yield f"{name} needs support in every pose: {1e6 * overhang:.0f} mm2 hang over"
 
 
-def print_rotation(tip: Tip) -> Floats:
+def print_rotation(mesh: trimesh.Trimesh, pose: Floats) -> Floats:
     """The rotation (3, 3) that lays a tip on the bed: the lowest that needs no support, if any."""
 
     def worth(turn: Floats) -> tuple[float, float]:
-        height = float(np.ptp(tip.mesh.vertices @ turn[2]))
-        return max(overhang_area(tip.mesh, turn), OVERHANG), height
+        height = float(np.ptp(mesh.vertices @ turn[2]))
+        return max(overhang_area(mesh, turn), OVERHANG), height
 
-    own = tip.pose[:3, :3].T
+    own = pose[:3, :3].T
     turns = [side @ own for side in SIDES]
-    firm = [turn for turn in turns if first_layer_area(tip.mesh, turn) >= FOOTHOLD]
+    firm = [turn for turn in turns if first_layer_area(mesh, turn) >= FOOTHOLD]
     return min(firm or turns, key=worth)
 
 
@@ -83,7 +84,7 @@ def _hand_problems(
     base: Base, tips: Sequence[Tip], design: FingertipDesign, hand: Gripper, limits: TipLimits
 ) -> Iterator[str]:
     """What the hand cannot do, mass, and how far a plate bends."""
-    closed, mass = float(model_of(hand).openings[0]), PLA * sum(tip.mesh.volume for tip in tips)
+    closed, mass = float(model_of(hand).openings[0]), PLA * sum(tip.added.volume for tip in tips)
     if closed > CLOSED:
         yield f"the hand does not close fully: its tips stay {1000 * closed:.1f} mm apart"
     if hand.opening < limits.smallest:

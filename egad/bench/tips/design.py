@@ -126,7 +126,7 @@ def write_prints(tips: Sequence[Tip], out: Path, name: str) -> None:
     """Write both tips as STL, and together as a 3MF plate, in the pose to print."""
     placed, left = {}, PLATE
     for word, tip in zip(("first", "second"), tips, strict=True):
-        vertices = np.asarray(tip.mesh.vertices) @ print_rotation(tip).T
+        vertices = np.asarray(tip.mesh.vertices) @ print_rotation(tip.mesh, tip.pose).T
         mesh = trimesh.Trimesh(vertices - vertices.min(axis=0), tip.mesh.faces, process=False)
         write_stl_mm(mesh, out / f"{word}_tip.stl")
         placed[f"{word} tip"] = PlacedMesh(mesh, np.array([left, PLATE, 0.0]))

@@ -46,7 +46,7 @@ def write_hand(base: Base, tips: Sequence[Tip], folder: Path) -> Path:
 def _link(link: HandLink, tips: Sequence[Tip], folder: Path) -> Element:
     """A link with its convex shapes and those of its tips, whose plastic adds to its mass."""
     element = Element("link", name=link.name)
-    mass = max(link.mass + PLA * sum(float(tip.mesh.volume) for tip in tips), MIN_MASS)
+    mass = max(link.mass + PLA * sum(float(tip.added.volume) for tip in tips), MIN_MASS)
     inertial = SubElement(element, "inertial")
     SubElement(inertial, "mass", value=f"{mass:.6g}")
     moments = {f"i{axis}{axis}": f"{INERTIA * mass:.6g}" for axis in "xyz"}

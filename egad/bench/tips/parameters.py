@@ -33,6 +33,9 @@ class FingertipDesign(Parameters):
     spacer: Depth = Field(0.0, description="distance from the jaws to the plates, metres")
     overlap: Length = Field(0.012, description="length of the feet along the jaws, metres")
     grip: Fraction = Field(0.5, description="where plates that turn hold: 0: at jaws, 1: at tips")
+    mount: Literal["glue", "screw", "join"] = Field(
+        "glue", description="how feet are held: glued, by two M3 screws, or printed with the jaw"
+    )
 
 
 class TipLimits(Parameters):

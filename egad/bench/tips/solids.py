@@ -1,7 +1,8 @@
 """The solids of a pair of fingertips: plates with grooves and bevels, on feet that fit the jaws.
 
-A simulator gets convex pieces; the solid to print is their union without the jaw. The frame of a
-tip has x from the outer to the inner face of the plate, z along the jaw from where the foot begins.
+A simulator gets convex pieces; the solid to print is their union without the jaw, or with it. The
+frame of a tip has x from the outer to the inner face of the plate, z along the jaw from where the
+foot begins.
 """
 
 from collections.abc import Sequence
@@ -26,6 +27,9 @@ FLAT = 0.9  # of a plate: a groove may be this wide
 RAYS = 15  # along each side of the foot
 REACH = 1.0  # metres, wider than any hand
 CRUMB = 1e-9  # m3, of what the jaw cuts off a foot, that is left out
+# Metres, of a countersunk M3 screw: its hole, its head, and the room around its head.
+HOLE, HEAD, ROOM = 3.4e-3, 6.3e-3, 1.2e-3
+SEAM = 2.5e-4  # metres by which the shapes of a jaw grow to be printed, if they do not touch
 
 
 class Tip(NamedTuple):
@@ -36,6 +40,7 @@ class Tip(NamedTuple):
     mesh: trimesh.Trimesh  # what is printed
     pose: Floats  # (4, 4) pose of the tip
     free: float  # length of the plate beyond the foot
+    added: trimesh.Trimesh  # what it adds to the jaw, without screw holes
 
 
 class Mount(NamedTuple):
@@ -69,6 +74,13 @@ def _check_plates(design: FingertipDesign) -> None:
         raise UserError(
             f"the groove is {_mm(depth)} deep and {_mm(2 * half)} wide, in plates that are "
             f"{_mm(design.thickness)} thick and {_mm(room)} wide there; make it shallower"
+        )
+    foot = (design.width, design.overlap, design.thickness - depth)
+    screws = (2 * (HEAD + ROOM), HEAD + ROOM, (HEAD - HOLE) / 2 + ROOM)
+    if design.mount == "screw" and any(np.less(foot, screws)):
+        raise UserError(
+            f"two M3 screws need a foot that is {' x '.join(map(_mm, screws))} wide, long and, "
+            f"without grooves, thick; it is {' x '.join(map(_mm, foot))}: enlarge it, or glue it"
         )
 
 
@@ -133,17 +145,53 @@ def _make_tip(base: Base, design: FingertipDesign, mount: Mount, side: int) -> T
     link = _carrier(base, mount, side)
     to_link = np.linalg.inv(pose_of(base.model, link, mount.opening)) @ pose
     jaw = [trimesh.transform_points(points, np.linalg.inv(pose)) for points in parts]
-    solid = union_of_hulls([*plate, foot]) - union_of_hulls(jaw)
-    *others, largest = sorted(solid.decompose(), key=lambda body: body.volume())
-    if any(body.volume() > CRUMB for body in others):
+    solid, *others = _bodies(union_of_hulls([*plate, foot]) - union_of_hulls(jaw))
+    if others:
         raise UserError("the jaw cuts a foot into pieces: make it wider, or the overlap shorter")
+    own = [
+        trimesh.transform_points(points, np.linalg.inv(to_link))
+        for points in base.model.links[link].shapes
+    ]
+    printed = _printed(design, solid, [*plate, foot], own)
     return Tip(
         link,
         tuple(trimesh.transform_points(points, to_link) for points in (*plate, foot)),
-        to_mesh(largest).apply_transform(to_link),
+        to_mesh(printed).apply_transform(to_link),
         to_link,
         mount.tip - mount.end + design.length,
+        to_mesh(solid).apply_transform(to_link),
     )
+
+
+def _bodies(solid: Solid) -> list[Solid]:
+    """The bodies of a solid without crumbs, the largest first."""
+    bodies = [body for body in solid.decompose() if body.volume() > CRUMB]
+    return sorted(bodies, key=lambda body: -float(body.volume()))
+
+
+def _printed(design: FingertipDesign, solid: Solid, tip: list[Floats], jaw: list[Floats]) -> Solid:
+    """What is printed: what is added to a jaw, that with holes, or the jaw with its tip."""
+    if design.mount == "glue":
+        return solid
+    if design.mount == "screw":
+        return solid - _screw_holes(design)
+    whole, *others = _bodies(union_of_hulls([*tip, *jaw]))
+    if others:
+        ends = _corners([-SEAM, SEAM], 2 * SEAM, [-SEAM, SEAM])
+        grown = [(points[:, None] + ends).reshape(-1, 3) for points in jaw]
+        whole, *others = _bodies(union_of_hulls([*tip, *grown]))
+    if others:
+        raise UserError("the shapes of a jaw do not touch, so it cannot be printed: glue the tips")
+    return whole
+
+
+def _screw_holes(design: FingertipDesign) -> Solid:
+    """Two holes through the plate and its foot, countersunk by 90 degrees at the inner face."""
+    r, head = HOLE / 2, HEAD / 2
+    profile = [(0, -REACH), (r, -REACH), (r, r - head), (head, 0), (head, REACH), (0, REACH)]
+    hole = manifold3d.CrossSection([profile]).revolve(64).rotate((0, 90, 0))
+    places = [(design.thickness, way * design.width / 4, design.overlap / 2) for way in (-1, 1)]
+    return hole.translate(places[0]) + hole.translate(places[1])
 
 
 def _plate_pieces(design: FingertipDesign, beyond: float) -> list[Floats]:

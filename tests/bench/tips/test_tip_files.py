@@ -159,3 +159,18 @@ def test_a_hand_that_is_set_to_open_less_is_refused(tmp_path):
     gripper = Gripper.from_file(jaw_urdf(tmp_path / "jaw.urdf"), force=10, opening=0.02)
     with pytest.raises(UserError, match=r"the hand jaw is set to open 20\.0 of"):
         base_of("jaw", gripper)
+
+
+@pytest.mark.parametrize("mount", ["screw", "join"])
+def test_how_tips_are_mounted_does_not_change_the_hand(tmp_path, mount):
+    base = base_of("jaw", Gripper.from_file(jaw_urdf(tmp_path / "jaw.urdf"), force=10))
+    limits = TipLimits(mass=0.0062)  # kilograms; whole jaws weigh 21 g
+    hands = []
+    for each in ("glue", mount):
+        design = SHORT.model_copy(update={"mount": each})
+        hand, problems = tip_problems(base, design, limits, tmp_path / each)
+        assert problems == []
+        hands.append(hand)
+    assert hands[0].opening == hands[1].opening
+    texts = [(tmp_path / each / "hand.urdf").read_text() for each in ("glue", mount)]
+    assert texts[0] == texts[1]

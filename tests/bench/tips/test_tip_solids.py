@@ -43,6 +43,41 @@ def test_volumes_of_plates_of_a_hand_of_boxes():
         assert volumes(boxes(), **groove) == pytest.approx([plate - cross_section * long] * 2)
 
 
+def test_screw_holes_are_drilled_and_countersunk():
+    """M3: 3.4 mm through plates of 4 mm, and heads of 6.3 mm at 90 degrees."""
+    plate, deep, r, head = WIDTH * THICK * (OVERLAP + LENGTH), 1.45e-3, 1.7e-3, 3.15e-3
+    cone = np.pi * deep * (r**2 + r * head + head**2) / 3
+    hole = np.pi * r**2 * (THICK - deep) + cone
+    assert volumes(boxes(), mount="screw") == pytest.approx([plate - 2 * hole] * 2, rel=1e-3)
+    for tip in make_tips(boxes(), FingertipDesign(**PLAIN, mount="screw")):
+        assert tip.mesh.is_watertight
+        assert tip.mesh.euler_number == -2  # two holes
+        assert tip.added.volume == pytest.approx(plate)
+
+
+@pytest.mark.parametrize("slides", [False, True])
+def test_joined_tips_are_the_jaw_and_the_tip(tmp_path, slides):
+    base = jaw(tmp_path, slides=slides)
+    glued, joined = (
+        make_tips(base, FingertipDesign(**PLAIN, gap=0.02, mount=mount))
+        for mount in ("glue", "join")
+    )
+    for one, both in zip(glued, joined, strict=True):
+        own = union_of_hulls(base.model.links[one.link].shapes)
+        assert both.mesh.is_watertight
+        assert both.mesh.body_count == 1
+        assert both.mesh.volume == pytest.approx(one.mesh.volume + own.volume(), rel=1e-6)
+        assert both.added.volume == pytest.approx(one.mesh.volume)
+        np.testing.assert_array_equal(both.pieces[-1], one.pieces[-1])  # simulated the same
+
+
+@pytest.mark.parametrize("change", [{"width": 0.0149}, {"overlap": 0.0074}, {"thickness": 0.0026}])
+def test_feet_too_small_for_screws_are_refused(change):
+    message = r"two M3 screws need a foot that is 15 mm x 7\.5 mm x 2\.65 mm wide, long and,"
+    with pytest.raises(UserError, match=message):
+        make_tips(boxes(), FingertipDesign(**PLAIN | change, mount="screw"))
+
+
 def test_a_tilted_plate_has_its_volume_and_its_pieces_fill_the_solid(tmp_path):
     for base in (boxes(), jaw(tmp_path)):
         tips = make_tips(
