@@ -33,6 +33,7 @@ PoseUnits = Annotated[str | None, typer.Option(help="unit of plain poses: m, cm 
 REFERENCE = "text file with the (4, 4) pose of the camera or scene; `object` if it is the identity"
 Reference = Annotated[Path | None, typer.Option(help=REFERENCE)]
 ObjectId = Annotated[str | None, typer.Option(help="object, segment or scene of the file")]
+Friction = Annotated[float | None, typer.Option(help="largest friction coefficient: graspnet")]
 
 
 @contextmanager
@@ -42,6 +43,7 @@ def _options_named() -> Iterator[None]:
         yield
     except UserError as error:
         text = str(error).replace("`units`", "--pose-units").replace("`object_id`", "--object-id")
+        text = text.replace("`max_friction`", "--max-friction")
         raise UserError(re.sub("`(frame|depth|reference)`", r"--\1", text)) from error
 
 
@@ -57,6 +59,7 @@ def check(
     pose_units: PoseUnits = None,
     reference: Reference = None,
     object_id: ObjectId = None,
+    max_friction: Friction = None,
     units: common.Units = None,
     fix: Annotated[Path | None, typer.Option(help="corrected grasps to write: .npz")] = None,
     picture: Annotated[Path | None, typer.Option(help="ten grasps to draw: .svg")] = None,
@@ -68,7 +71,7 @@ def check(
 
     check_ending(fix, (".npz",))
     check_ending(picture, (".svg",))
-    said = _said(frame, depth, pose_units, reference, object_id)
+    said = _said(frame, depth, pose_units, reference, object_id, max_friction)
     found = check_grasps(file, *_object(mesh, units, gripper, config), format_name, **said)
     typer.echo(repr(found))
     if picture is not None:
@@ -92,6 +95,7 @@ def convert(
     pose_units: PoseUnits = None,
     reference: Reference = None,
     object_id: ObjectId = None,
+    max_friction: Friction = None,
     units: common.Units = None,
     config: common.Config = None,
 ) -> None:
@@ -100,7 +104,7 @@ def convert(
     from egad.exchange.reading import read_grasps
 
     solid, hand = _object(mesh, units, gripper, config)
-    said = _said(frame, depth, pose_units, reference, object_id)
+    said = _said(frame, depth, pose_units, reference, object_id, max_friction)
     read = read_grasps(file, format_name, solid, hand, **said)
     export_grasps(read, solid, to, hand, out, mesh.stem)
     typer.echo(f"{out}: {len(read)} grasps of {mesh.stem}")
@@ -122,6 +126,7 @@ def try_files(
     pose_units: PoseUnits = None,
     reference: Reference = None,
     object_id: ObjectId = None,
+    max_friction: Friction = None,
     units: common.Units = None,
     out: common.TableFile = None,
     config: common.Config = None,
@@ -138,7 +143,7 @@ def try_files(
     check_ending(out, (".parquet", ".csv"))
     if len(files) != len(meshes):
         raise UserError(f"--mesh is given {len(meshes)} times; allowed: once for each file")
-    said = _said(frame, depth, pose_units, reference, object_id)
+    said = _said(frame, depth, pose_units, reference, object_id, max_friction)
     names = {path: name for name, path in object_names(meshes).items()}
     tried = []
     for file, mesh in zip(files, meshes, strict=True):
@@ -172,6 +177,7 @@ def _said(
     units: str | None,
     reference: Path | None,
     object_id: str | None,
+    max_friction: float | None,
 ) -> Any:  # noqa: ANN401 (`egad.exchange.reading.Said`, which takes long to import)
     import numpy as np
 
@@ -182,4 +188,4 @@ def _said(
         except (OSError, ValueError) as error:
             raise UserError(f"--reference {reference}: no lines of numbers: {error}") from error
     named = {"frame": frame, "depth": depth, "units": units, "reference": pose}
-    return named | {"object_id": object_id}
+    return named | {"object_id": object_id, "max_friction": max_friction}
