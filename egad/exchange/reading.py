@@ -45,8 +45,8 @@ from egad.grasps import (
     label_cups,
     label_parameters,
 )
-from egad.grasps.suction import GRAVITY, robust_suction_quality
-from egad.grippers import Gripper, SuctionCup, as_gripper, hand_body
+from egad.grasps.suction import GRAVITY, robust_suction_quality, seal_cups
+from egad.grippers import Gripper, HandBody, SuctionCup, as_gripper, hand_body
 from egad.random import generator
 from egad.tables.columns import vector_names
 
@@ -245,41 +245,56 @@ def _rated(
 ) -> pd.DataFrame:
     check_units(mesh)
     check_solid(mesh)
-    if gripper.cup is not None:
-        return _rated_cups(poses, mesh, gripper, gripper.cup, seed)
     caster, com, body = RayCaster(mesh), center_of_mass(mesh), hand_body(gripper)
     settings, tables = label_parameters(gripper, 1, seed), []
+    where, more = "between the fingers", " `egad grasps check` names the usual mistakes"
+    if gripper.cup is not None:
+        where, more = "below the cup", ""
     starts = range(0, len(poses), CHUNK)
     for start in progress(starts, "rating grasps", len(starts)):
         rows, rng = slice(start, start + CHUNK), generator(seed, "read_grasps", start)
-        tables.append(label_at_poses(caster, com, poses[rows], widths[rows], settings, rng, body))
+        if gripper.cup is None:
+            table = label_at_poses(caster, com, poses[rows], widths[rows], settings, rng, body)
+        else:
+            table = _rated_cups(caster, mesh, poses[rows], body, gripper.cup, (seed, start))
+        tables.append(table)
     table = pd.concat(tables, ignore_index=True).assign(grasp=np.arange(len(poses)))
     touching = np.mean(table["normal0_x"].notna() & table["normal1_x"].notna())
     if touching < FEW:
         warn_user(
-            f"only {touching:.0%} of the grasps have the object between the fingers: another "
-            "object, size, frame or hand? `egad grasps check` names the usual mistakes",
+            f"only {touching:.0%} of the grasps have the object {where}: another object, size, "
+            f"frame or hand?{more}",
             UserWarning,
         )
     return table
 
 
 def _rated_cups(
-    poses: Floats, mesh: trimesh.Trimesh, gripper: Gripper, cup: SuctionCup, seed: int
+    caster: RayCaster,
+    mesh: trimesh.Trimesh,
+    poses: Floats,
+    body: HandBody,
+    cup: SuctionCup,
+    stream: tuple[int, int],
 ) -> pd.DataFrame:
-    """Suction grasps at poses (n, 4, 4) of the cup, rated as `sample_grasps` rates its own."""
-    caster, solid = RayCaster(mesh), mass_properties(mesh, Material().density)
+    """Suction grasps at poses (n, 4, 4), rated as `sample_suction` does, from a seed and number.
+
+    Normals are NaN where the cup does not meet the object.
+    """
+    solid, origins = mass_properties(mesh, Material().density), poses[:, :3, 3]
     frames = np.ascontiguousarray(poses[:, :3, :3].transpose(0, 2, 1))
     quality = robust_suction_quality(
         caster,
         cup,
-        poses[:, :3, 3],
+        origins,
         frames,
         solid.com,
         GRAVITY * solid.mass * frames[:, 2],
         robust=RobustSuction(),
-        seed=seed,
-        indices=np.arange(len(poses)),
+        seed=stream[0],
+        indices=stream[1] + np.arange(len(poses)),
     )
-    sampled = Sampled(poses, np.zeros(len(poses)), quality)
-    return label_cups(caster, sampled, hand_body(gripper), 0.0)
+    table = label_cups(caster, Sampled(poses, np.zeros(len(poses)), quality), body, 0.0)
+    missed = ~(np.abs(seal_cups(caster, cup, origins, frames).depths) <= cup.height)
+    table.loc[missed, vector_names("normal0") + vector_names("normal1")] = np.nan
+    return table

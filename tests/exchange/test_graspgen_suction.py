@@ -110,6 +110,8 @@ def test_grasps_of_a_cup_are_read_as_they_were_sampled(tmp_path):
             UserError, match="needs a gripper with two jaws; this one has a suction"
         ):
             refused(path, BALL, "cup_30mm")
+    with pytest.warns(UserWarning, match="only 0% of the grasps have the object below the cup"):
+        egad.read_grasps(path, mesh=BALL.copy().apply_translation((1, 0, 0)), gripper="cup_30mm")
     with pytest.raises(UserError, match="graspgen_suction is not for panda, which has jaws"):
         egad.read_grasps(path, gripper="panda")
 
