@@ -208,7 +208,7 @@ class _Unpickler(pickle.Unpickler):
         return super().find_class(module, name)
 
 
-class Archive(Mapping[str, Any]):
+class NpzFile(Mapping[str, Any]):
     """An NPZ file, whose arrays are read when they are asked for.
 
     Dictionaries that NumPy pickled are read without running code.
@@ -275,6 +275,6 @@ LOADERS: dict[str, Callable[[Path], Content]] = {
     ".yml": _yaml,
     ".csv": _csv,
     ".npy": _npy,
-    ".npz": Archive,
+    ".npz": NpzFile,
     **dict.fromkeys((".usd", ".usda", ".usdc"), lambda path: {"usd": path}),
 }

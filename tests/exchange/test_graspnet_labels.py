@@ -66,7 +66,7 @@ def test_blocks_of_an_archive_are_the_array(tmp_path, monkeypatch):
     monkeypatch.setattr(grasp_files, "BLOCK", 7)
     values = np.arange(60, dtype=np.float16).reshape(5, 4, 3)
     np.savez_compressed(tmp_path / "a.npz", values=values)
-    archive = grasp_files.Archive(tmp_path / "a.npz")
+    archive = grasp_files.NpzFile(tmp_path / "a.npz")
     blocks = list(archive.blocks("values", (5, 4, 3), 3))
     assert [first for first, _ in blocks] == [0, 7, 14]
     assert (np.concatenate([block for _, block in blocks]) == values.reshape(20, 3)).all()

@@ -70,7 +70,7 @@ def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps
     The file is an array of graspnetAPI, or the labels of an object of GraspNet-1Billion.
     """
     if content.keys() >= LABELS:
-        return _read_labels(cast("files.Archive", content), options)
+        return _read_labels(cast("files.NpzFile", content), options)
     options.needed("reference", REFERENCE)
     rows = np.asarray(content["rows"], np.float64)
     if rows.ndim != 2 or rows.shape[1] != WIDTH:
@@ -84,7 +84,7 @@ def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps
     return files.file_grasps(matrices, place, openings=rows[:, 1], score=rows[:, 0])
 
 
-def _read_labels(content: files.Archive, options: files.ReadOptions) -> files.FileGrasps:
+def _read_labels(content: files.NpzFile, options: files.ReadOptions) -> files.FileGrasps:
     """The candidates of an object that have a friction coefficient: the positive `scores`.
 
     A candidate is a point, a view from a Fibonacci sphere, against which the hand approaches, an
@@ -119,7 +119,7 @@ def _read_labels(content: files.Archive, options: files.ReadOptions) -> files.Fi
 
 
 def _with_friction(
-    content: files.Archive, shape: tuple[int, ...], limit: float | None
+    content: files.NpzFile, shape: tuple[int, ...], limit: float | None
 ) -> tuple[Ints, Floats]:
     """Which candidates of `shape` have a positive friction coefficient up to a limit, and which."""
     kept, values, counts = [np.empty(0, np.int64)], [np.empty(0)], np.zeros(STEPS, np.int64)
@@ -140,7 +140,7 @@ def _with_friction(
     return np.concatenate(kept), np.concatenate(values)
 
 
-def _take(content: files.Archive, name: str, kept: Ints, shape: tuple[int, ...]) -> NDArray[Any]:
+def _take(content: files.NpzFile, name: str, kept: Ints, shape: tuple[int, ...]) -> NDArray[Any]:
     """The numbers of some candidates, (n, k)."""
     found = []
     for first, block in content.blocks(name, shape, 3 if name == "offsets" else 1):
