@@ -35,6 +35,7 @@ REFERENCE = "text file with the (4, 4) pose of the camera or scene; `object` if 
 Reference = Annotated[Path | None, typer.Option(help=REFERENCE)]
 FRICTIONS = f"friction of the fingers; may be repeated; default: {FRICTION}"
 ObjectId = Annotated[str | None, typer.Option(help="object, segment or scene of the file")]
+Friction = Annotated[float | None, typer.Option(help="largest friction coefficient: graspnet")]
 
 
 @contextmanager
@@ -44,6 +45,7 @@ def _options_named() -> Iterator[None]:
         yield
     except UserError as error:
         text = str(error).replace("`units`", "--pose-units").replace("`object_id`", "--object-id")
+        text = text.replace("`max_friction`", "--max-friction")
         raise UserError(re.sub("`(frame|depth|reference)`", r"--\1", text)) from error
 
 
@@ -59,6 +61,7 @@ def check(
     pose_units: PoseUnits = None,
     reference: Reference = None,
     object_id: ObjectId = None,
+    max_friction: Friction = None,
     units: common.Units = None,
     fix: Annotated[Path | None, typer.Option(help="corrected grasps to write: .npz")] = None,
     picture: Annotated[Path | None, typer.Option(help="ten grasps to draw: .svg")] = None,
@@ -70,7 +73,14 @@ def check(
 
     check_ending(fix, (".npz",))
     check_ending(picture, (".svg",))
-    said = _said(reference, frame=frame, depth=depth, units=pose_units, object_id=object_id)
+    said = _said(
+        reference,
+        frame=frame,
+        depth=depth,
+        units=pose_units,
+        object_id=object_id,
+        max_friction=max_friction,
+    )
     (solid,), hand = _objects([mesh], units, gripper, config)
     found = check_grasps(file, solid, hand, format_name, **said)
     typer.echo(repr(found))
@@ -95,6 +105,7 @@ def convert(
     pose_units: PoseUnits = None,
     reference: Reference = None,
     object_id: ObjectId = None,
+    max_friction: Friction = None,
     units: common.Units = None,
     config: common.Config = None,
 ) -> None:
@@ -103,7 +114,14 @@ def convert(
     from egad.exchange.reading import read_grasps
 
     (solid,), hand = _objects([mesh], units, gripper, config)
-    said = _said(reference, frame=frame, depth=depth, units=pose_units, object_id=object_id)
+    said = _said(
+        reference,
+        frame=frame,
+        depth=depth,
+        units=pose_units,
+        object_id=object_id,
+        max_friction=max_friction,
+    )
     read = read_grasps(file, format_name, solid, hand, **said)
     export_grasps(read, solid, to, hand, out, mesh.stem)
     typer.echo(f"{out}: {len(read)} grasps of {mesh.stem}")
@@ -127,6 +145,7 @@ def try_files(
     pose_units: PoseUnits = None,
     reference: Reference = None,
     object_id: ObjectId = None,
+    max_friction: Friction = None,
     units: common.Units = None,
     out: common.TableFile = None,
     config: common.Config = None,
@@ -144,7 +163,14 @@ def try_files(
     check_ending(out, (".parquet", ".csv"))
     if len(files) != len(meshes):
         raise UserError(f"--mesh is given {len(meshes)} times; allowed: once for each file")
-    said = _said(reference, frame=frame, depth=depth, units=pose_units, object_id=object_id)
+    said = _said(
+        reference,
+        frame=frame,
+        depth=depth,
+        units=pose_units,
+        object_id=object_id,
+        max_friction=max_friction,
+    )
     names = {path: name for name, path in object_names(meshes).items()}
     solids, hand = _objects(meshes, units, gripper, config)
     options: Any = {"engine": engine, "jobs": jobs, "friction": friction or FRICTION}

@@ -20,7 +20,7 @@ from egad.exchange.grasps.graspgen import graspgen_hand
 from egad.exchange.reading import TOLERANCE, Said, read_file, read_options
 from egad.geometry import RayCaster, center_of_mass, check_solid
 from egad.grasps import are_rigid, close_fingers, touching_turns
-from egad.grippers import Gripper, hand_body
+from egad.grippers import Gripper, check_jaws, hand_body
 from egad.io import METRES
 
 Verdict = Literal["consistent", "mistake", "undecided", "unexplained"]
@@ -100,6 +100,8 @@ class GraspCheck:
     def save(self, path: str | Path) -> None:
         """Write the corrected grasps as plain poses, with their frame, depth and unit."""
         if self.corrected is None:
+            if self.verdict == "consistent":
+                raise UserError("nothing is written: there is no mistake to correct")
             raise UserError(f"there is no single mistake, or there are over {MANY:,} grasps")
         file = self.corrected
         known: dict[str, ArrayLike] = {"poses": file.poses, "widths": file.widths}
@@ -136,8 +138,9 @@ def check_grasps(
     """
     options = read_options(gripper, **said)
     check_solid(mesh)
-    whole = read_file(as_path("path", path), format, options)
     assert options.gripper is not None  # noqa: S101 (it was an argument)
+    check_jaws(options.gripper.gripper, "a grasp that is checked")
+    whole = read_file(as_path("path", path), format, options)
     trial = _Trial(mesh, options.gripper.gripper)
     stride = -(-len(whole.matrices) // MANY)
     file = _take(whole, slice(None, None, stride))

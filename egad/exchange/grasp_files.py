@@ -5,17 +5,18 @@ Everything here runs in the process with limits (`egad._util.limited`).
 
 import io
 import json
+import math
 import pickle
 import re
 import zipfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import IO, Any, NamedTuple, cast
 
 import numpy as np
 import pandas as pd
 import yaml
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
@@ -28,6 +29,7 @@ from egad.grippers import finger_span
 from egad.io import METRES
 
 MAX_GRASPS = 1_000_000
+BLOCK = 1 << 20  # numbers that are read at once
 Content = Mapping[str, Any]
 _AXIS = re.compile("([+-]?)([xyz])")
 # all that pickled dictionaries of arrays need; everything else could run code
@@ -47,7 +49,8 @@ class FileGrasps(NamedTuple):
     openings: Floats  # (n,) distances between the open fingers, metres
     success: Floats  # (n,) 0 or 1
     score: Floats  # (n,) higher is better
-    reference: Floats = np.eye(4)  # pose of the frame of the file in that of the mesh
+    reference: Floats  # pose of the frame of the file in that of the mesh
+    note: str  # what the user should know, if anything
 
     @property
     def poses(self) -> Floats:
@@ -64,6 +67,7 @@ class ReadOptions(NamedTuple):
     units: str | None = None
     reference: Floats | None = None
     object_id: str | int | None = None
+    max_friction: float | None = None
 
     def needed(self, name: str, why: str) -> Any:  # noqa: ANN401 (of any option)
         """An option that the file leaves open; UserError that asks for it."""
@@ -86,6 +90,7 @@ ASKED = {
     "units": "m, cm or mm",
     "reference": "the (4, 4) pose of that frame in that of the mesh; if equal, the identity",
     "object_id": "which of them",
+    "max_friction": "the largest friction coefficient that a grasp may need",
     "mesh": "the object in metres, and `gripper`",
 }
 UNITS = {name: METRES[name] for name in ("m", "cm", "mm")}
@@ -99,6 +104,7 @@ def file_grasps(
     openings: ArrayLike = np.nan,
     success: ArrayLike = np.nan,
     score: ArrayLike = np.nan,
+    note: str = "",
 ) -> FileGrasps:
     """Grasps with columns (n,), or a number for all of them."""
     whole = np.asarray(matrices, dtype=np.float64)
@@ -107,7 +113,8 @@ def file_grasps(
     columns = [np.asarray(each, np.float64) for each in (widths, openings, success, score)]
     if wrong := [each.shape for each in columns if each.ndim and each.shape != whole.shape[:1]]:
         raise UserError(f"it has {len(whole)} poses, but {wrong[0]} widths, labels or scores")
-    return FileGrasps(whole, place, *(np.broadcast_to(each, len(whole)) for each in columns))
+    numbers = (np.broadcast_to(each, len(whole)) for each in columns)
+    return FileGrasps._make([whole, place, *numbers, np.eye(4), note])
 
 
 def hand_in_frame(frame: str, depth: ArrayLike) -> Floats:
@@ -157,21 +164,20 @@ def _hdf5(path: Path) -> Content:
 
     with h5py.File(path, "r") as file:
         if "datasets" in file:
-            return _dexnet(file["datasets"])
+            return {"path": path, "dexnet": _dexnet(file["datasets"])}
         file.visititems(visit)
     return found
 
 
-def _dexnet(datasets: Any) -> Content:  # noqa: ANN401 (untyped)
-    """Object and gripper, id, configuration and metrics of each grasp of a Dex-Net database."""
-    rows = [
-        (f"{name}/{hand}", *map(at.attrs.get, ("id", "configuration")), dict(at["metrics"].attrs))
-        for dataset in datasets.values()
-        for name, item in dataset["objects"].items()
+def _dexnet(datasets: Any) -> dict[str, str]:  # noqa: ANN401 (untyped)
+    """The groups of a Dex-Net database with grasps, by object and gripper, and by the dataset."""
+    return {
+        (f"{dataset}/" if len(datasets) > 1 else "") + f"{name}/{hand}": grasps.name
+        for dataset, content in datasets.items()
+        for name, item in content["objects"].items()
         for hand, grasps in item.get("grasps", {}).items()
-        for at in grasps.values()
-    ]
-    return {"dexnet": sorted(rows, key=lambda row: row[:2])}
+        if len(grasps)
+    }
 
 
 def _mapping(value: Any) -> Content:  # noqa: ANN401 (whatever it holds)
@@ -202,24 +208,63 @@ class _Unpickler(pickle.Unpickler):
         return super().find_class(module, name)
 
 
-def _npz(path: Path) -> Content:
-    """Arrays, and dictionaries that NumPy pickled, which are read without running code."""
-    found = {}
-    with zipfile.ZipFile(path) as archive:
-        if sum(each.file_size for each in archive.infolist()) > MAX_UNPACKED_BYTES:
-            raise UserError(f"it unpacks to more than {MAX_UNPACKED_BYTES >> 20} MiB")
-        for name in archive.namelist():
-            data = io.BytesIO(archive.read(name))
-            version = np.lib.format.read_magic(data)
-            header = np.lib.format.read_array_header_1_0
-            header = np.lib.format.read_array_header_2_0 if version > (1, 0) else header
-            if header(data)[2].hasobject:
+class NpzFile(Mapping[str, Any]):
+    """An NPZ file, whose arrays are read when they are asked for.
+
+    Dictionaries that NumPy pickled are read without running code.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Read the names of the arrays."""
+        self._zip = zipfile.ZipFile(path)
+        self._sizes = {i.filename.removesuffix(".npy"): i.file_size for i in self._zip.infolist()}
+        self._read: dict[str, Any] = {}
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._sizes)
+
+    def __len__(self) -> int:
+        return len(self._sizes)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._sizes
+
+    def __getitem__(self, name: str) -> Any:  # noqa: ANN401 (whatever it holds)
+        size = self._sizes[name]
+        if name not in self._read:
+            if size + sum(map(self._sizes.__getitem__, self._read)) > MAX_UNPACKED_BYTES:
+                raise UserError(f"it unpacks to more than {MAX_UNPACKED_BYTES >> 20} MiB")
+            with self._zip.open(f"{name}.npy") as stream:
+                data = io.BytesIO(stream.read())
+            if _header(data)[2].hasobject:
                 value = _Unpickler(data, encoding="latin1").load()
-                found[name.removesuffix(".npy")] = value[()] if value.ndim == 0 else value
+                self._read[name] = value[()] if value.ndim == 0 else value
             else:
                 data.seek(0)
-                found[name.removesuffix(".npy")] = np.load(data, allow_pickle=False)
-    return found
+                self._read[name] = np.load(data, allow_pickle=False)
+        return self._read[name]
+
+    def blocks(
+        self, name: str, shape: tuple[int, ...], width: int = 1
+    ) -> Iterator[tuple[int, NDArray[Any]]]:
+        """An array of this shape in blocks (n, width), each with the number of its first row."""
+        with self._zip.open(f"{name}.npy") as stream:
+            known, by_columns, kind = _header(stream)
+            if known != shape or by_columns or kind.hasobject:
+                raise UserError(f"its {name} has the shape {known}; allowed: {shape}, row by row")
+            rows = math.prod(shape) // width
+            for first in range(0, rows, BLOCK):
+                count = min(BLOCK, rows - first) * width
+                block = np.frombuffer(stream.read(count * kind.itemsize), kind, count)
+                yield first, block.reshape(-1, width)
+
+
+def _header(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    """Shape, whether it is stored column by column, and type of an array; reads up to its data."""
+    new = np.lib.format.read_magic(stream) > (1, 0)
+    read = np.lib.format.read_array_header_2_0 if new else np.lib.format.read_array_header_1_0
+    header: tuple[tuple[int, ...], bool, np.dtype[Any]] = read(stream)
+    return header
 
 
 LOADERS: dict[str, Callable[[Path], Content]] = {
@@ -230,5 +275,6 @@ LOADERS: dict[str, Callable[[Path], Content]] = {
     ".yml": _yaml,
     ".csv": _csv,
     ".npy": _npy,
-    ".npz": _npz,
+    ".npz": NpzFile,
+    **dict.fromkeys((".usd", ".usda", ".usdc"), lambda path: {"usd": path}),
 }

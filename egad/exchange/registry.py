@@ -13,8 +13,8 @@
 
 - `grasps/NAME.py` and `readers/NAME.py`: `read(content, options)` returns the
   `egad.exchange.grasp_files.FileGrasps` of what a file holds. `KEYS` are names by which a file is
-  recognised, `REFERENCE` says which frame its poses are in if it may not be that of the object.
-  `READERS` has the endings of the files: `egad.read_grasps` then knows the format.
+  recognised, `a.b` for one within another. `READERS` has the endings of the files:
+  `egad.read_grasps` then knows the format.
 
 A module may have `check(hand)`, called first, which raises an error if the format cannot be
 written. Surfaces are mesh files, which `egad.io` writes. `egad.export`, the command `egad export`,
@@ -63,9 +63,11 @@ READERS = {
     "contact_graspnet": (".npz",),
     "dexnet": (".hdf5", ".h5"),
     "graspgen": (".json", ".yaml", ".yml"),
-    "graspnet": (".npy",),
+    "graspgen_suction": (".json",),
+    "graspnet": (".npy", ".npz"),
     "isaac_grasp": (".yaml", ".yml"),
     "poses": (".npz", ".npy", ".csv"),
+    "simready": (".usd", ".usda", ".usdc"),
     "vgn": (".csv",),
 }
 SURFACES = ("glb", "obj", "stl")  # the endings of `egad.io.WRITERS`, which takes long to import

@@ -16,6 +16,7 @@ from .grasps import Grasps as Grasps
 from .grasps import are_rigid as are_rigid
 from .grasps import vectors as vectors
 from .labels import label_at_poses as label_at_poses
+from .labels import label_cups as label_cups
 from .labels import label_parameters as label_parameters
 from .labels import sample_for_labels as sample_for_labels
 from .labels import statistics_row as statistics_row
@@ -35,3 +36,4 @@ from .quality import ferrari_canny as ferrari_canny
 from .quality import quality_bound as quality_bound
 from .robust import close_fingers as close_fingers
 from .robust import robust_ferrari_canny as robust_ferrari_canny
+from .samplers import Sampled as Sampled

@@ -9,6 +9,7 @@ import csv
 import json
 
 import numpy as np
+import pytest
 import trimesh
 import yaml
 from scipy.spatial.transform import Rotation
@@ -17,7 +18,9 @@ from egad.exchange.grasps.acronym import AcronymObject, write_acronym
 from egad.exchange.grasps.graspgen import graspgen_hand, start_graspgen, write_graspgen
 from egad.exchange.grasps.graspnet import write_graspnet
 from egad.exchange.parameters import NamedGripper
+from egad.geometry import Bundle
 from egad.grippers import gripper
+from egad.sim import make_simulation_object
 from egad.tables.grasping import MOTIONS
 
 HAND = NamedGripper("panda", gripper("panda"))
@@ -115,6 +118,17 @@ def plain(folder, grasps):
     return folder / "plain.npz"
 
 
+def simready(folder, table):
+    """A prop, of whose grasps all hold."""
+    pytest.importorskip("pxr")
+    from egad.exchange.grasps.simready import write  # noqa: PLC0415 (an extra)
+
+    made = make_simulation_object(hammer(), 300, Bundle(), "hammer")
+    rows = table.assign(simulated_success=True, simulated_engine="mujoco")
+    write(folder, "hammer", made, rows, HAND)
+    return folder / "hammer/simready/hammer.usd"
+
+
 IDENTITY = np.eye(4)
 # writer, whether it takes a table, what has to be said to read its file, largest error of poses
 SOURCES = {
@@ -124,6 +138,7 @@ SOURCES = {
     "contact_graspnet": (contact_graspnet, False, {"reference": CAMERA}, 1e-9),
     "vgn": (vgn, False, {"reference": IDENTITY}, 1e-9),
     "isaac_grasp": (isaac, False, {"frame": "x z", "depth": 0.10527314}, 1e-9),
+    "simready": (simready, True, {}, 1e-6),
     "poses": (plain, False, {"frame": "y x", "depth": 0.0, "units": "mm"}, 1e-9),
 }
 

@@ -177,7 +177,7 @@ def test_no_mistake_is_named_in_files_that_are_right(name, which, objects, tmp_p
     found = egad.check_grasps(path, mesh, "panda", **said)
     assert (found.verdict, found.mistakes) == ("consistent", []), found
     assert str(found).startswith("no mistake found: ")
-    with pytest.raises(UserError, match="there is no single mistake"):
+    with pytest.raises(UserError, match="there is no mistake to correct"):
         found.save(tmp_path / "fixed.npz")
     assert not (tmp_path / "fixed.npz").exists()
 

@@ -158,6 +158,23 @@ def test_grasps_that_dexnet_describes_are_where_its_classes_put_them(tmp_path):
     assert (found.widths[0], found.source_score[0]) == (0.05, 0.002)
 
 
+def test_only_the_chosen_object_is_read_and_datasets_are_told_apart(tmp_path):
+    path = tmp_path / "a.hdf5"
+    with h5py.File(path, "w") as file:
+        for number, dataset in enumerate("de"):
+            grasp = file.create_group(f"datasets/{dataset}/objects/o/grasps/g/grasp_0")
+            grasp.attrs["configuration"] = [number, 0, 0, 0, 1, 0, 0.05, 0, 0, 0]
+            grasp.attrs["id"] = 0
+            grasp.create_group("metrics")
+        file.create_group("datasets/e/objects/broken/grasps/g/grasp_0")
+    with pytest.raises(UserError, match=r"objects or grippers .d/o/g, e/broken/g, e/o/g."):
+        egad.read_grasps(path)
+    found = [egad.read_grasps(path, object_id=f"{name}/o/g") for name in "de"]
+    assert [each.poses[0, 0, 3] for each in found] == [0, 1]
+    with pytest.raises(UserError, match="not a file of grasps that can be read"):
+        egad.read_grasps(path, object_id="e/broken/g")
+
+
 def test_an_object_without_grasps_has_none(objects):
     assert read_grasps(objects["C02_0"]["grasps"][GRIPPER]) == []
 

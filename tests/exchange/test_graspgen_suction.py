@@ -7,6 +7,9 @@ import yaml
 
 import egad
 from egad.errors import UserError
+from egad.exchange.export import export_grasps
+from egad.exchange.grasps.graspgen_suction import start_suction, write_suction
+from egad.grasps.suction import sample_suction, suction_poses
 
 BOX = trimesh.creation.box((0.07, 0.08, 0.09))
 BALL = trimesh.creation.icosphere(subdivisions=4, radius=0.04)
@@ -83,3 +86,58 @@ def test_formats_are_for_jaws_or_for_cups(tmp_path):
     with pytest.raises(UserError, match="'graspgen_suction' is not for panda, which has jaws"):
         egad.export({"box": BOX}, "graspgen_suction", "panda", tmp_path / "b")
     assert egad.export({"box": BOX}, "stl", "cup_30mm", tmp_path / "c").labels == ["box"]
+
+
+def test_grasps_of_a_cup_are_read_as_they_were_sampled(tmp_path):
+    sampled = egad.sample_grasps(BALL, "cup_30mm", n=30)
+    hand = egad.gripper("cup_30mm")
+    start_suction(tmp_path, "cup", hand.cup)
+    write_suction(tmp_path, "cup", hand.cup, "ball", BALL, sampled.to_frame())
+    path = tmp_path / "grasp_data/cup/ball.json"
+    found = egad.read_grasps(path, mesh=BALL, gripper="cup_30mm")
+    assert found.poses == pytest.approx(sampled.poses, abs=2e-9)
+    assert found.contacts == pytest.approx(sampled.contacts, abs=2e-9)
+    assert (found.widths == 0).all()
+    assert (found.collision_free == sampled.collision_free).all()
+    assert (found.source_score == sampled.quality).all()
+    assert found.source_success.all()
+    # the copies are perturbed by other random numbers: 25 of each grasp, and 30 grasps
+    assert found.quality.mean() == pytest.approx(sampled.quality.mean(), abs=0.05)
+    bare = egad.read_grasps(path)
+    assert bare.poses == pytest.approx(sampled.poses, abs=2e-9)
+    for refused in (egad.check_grasps, lambda *args: egad.try_grasps(found, *args[1:])):
+        with pytest.raises(
+            UserError, match="needs a gripper with two jaws; this one has a suction"
+        ):
+            refused(path, BALL, "cup_30mm")
+    with pytest.warns(UserWarning, match="only 0% of the grasps have the object below the cup"):
+        egad.read_grasps(path, mesh=BALL.copy().apply_translation((1, 0, 0)), gripper="cup_30mm")
+    with pytest.raises(UserError, match="graspgen_suction is not for panda, which has jaws"):
+        egad.read_grasps(path, gripper="panda")
+
+
+def test_the_quality_of_a_cup_that_is_read_is_that_of_the_sampler(tmp_path):
+    """The same random numbers are drawn for the same seed and number of a grasp."""
+    table = sample_suction(BOX, egad.gripper("cup_30mm").cup, 12, seed=3)
+    poses = suction_poses(table) @ np.diag([1.0, -1.0, -1.0, 1.0])
+    poses[:, :3, 3] += 0.002 * poses[:, :3, 2]
+    content = {"transforms": poses.tolist(), "suction_points": []}
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps({"gripper": {"standoff_distance": 0.002}, "grasps": content}))
+    found = egad.read_grasps(path, mesh=BOX, gripper="cup_30mm", seed=3)
+    assert found.poses == pytest.approx(suction_poses(table), abs=1e-12)
+    assert found.quality == pytest.approx(table["quality"].to_numpy(), abs=0.041)  # a copy of 25
+    assert (found.collision_free == table["collision_free"]).all()
+
+
+def test_a_label_of_another_program_is_kept(tmp_path, folder):
+    (path,) = folder.glob("grasp_data/*/box.json")
+    content = json.loads(path.read_text())
+    labels = [number % 3 == 0 for number in range(30)]
+    content["grasps"]["object_in_gripper"] = labels
+    changed = tmp_path / "box.json"
+    changed.write_text(json.dumps(content))
+    read_again = egad.read_grasps(changed, mesh=BOX, gripper="cup_30mm")
+    out = tmp_path / "out"
+    export_grasps(read_again, BOX, "graspgen_suction", "cup_30mm", out, "box")
+    assert read(out, "box")["grasps"]["object_in_gripper"] == labels

@@ -29,6 +29,9 @@ def grasps(mesh):
 def test_poses_widths_and_labels_come_back(name, mesh, grasps, tmp_path):
     path, said = write_source(name, tmp_path, grasps)
     found = egad.read_grasps(path, mesh=mesh, gripper="panda", **said)
+    if name == "simready":  # the most robust comes first
+        grasps = grasps.sorted_by("robust_quality")
+        assert found.source_score == pytest.approx(grasps.robust_quality, rel=1e-12)
     assert found.poses == pytest.approx(grasps.poses, abs=SOURCES[name][3])
     assert found.widths == pytest.approx(grasps.widths, abs=1e-6)
     assert found.contacts == pytest.approx(grasps.contacts, abs=1e-6)
@@ -36,12 +39,13 @@ def test_poses_widths_and_labels_come_back(name, mesh, grasps, tmp_path):
     assert found.quality == pytest.approx(grasps.quality, rel=1e-4, abs=1e-7)
     number = np.arange(len(grasps))
     labels = {"acronym": number % 3 > 0, "graspgen": number % 3 > 0, "vgn": number % 4 > 0}
+    labels["simready"] = number >= 0
     if name in labels:
         assert (found.source_success == labels[name]).all()
     else:
         assert np.isnan(found.source_success).all()
     assert np.isfinite(found.source_score).all() == (
-        name in ("graspnet", "contact_graspnet", "isaac_grasp")
+        name in ("graspnet", "contact_graspnet", "isaac_grasp", "simready")
     )
 
 
@@ -130,7 +134,7 @@ def test_files_of_something_else_are_refused(grasps, tmp_path):
     for text, message in (
         ("{", "not a file of grasps that can be read .JSONDecodeError"),
         ("[1]", "it holds a list in place of names"),
-        ('{"a": 1}', "not a file of graspgen: it has a"),
+        ('{"a": 1}', "not a file of graspgen or graspgen_suction: it has a"),
         ('{"object": {}, "grasps": {"transforms": []}}', "allowed"),
     ):
         path.write_text(text)

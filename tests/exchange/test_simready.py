@@ -10,9 +10,12 @@ from PIL import Image
 pxr = pytest.importorskip("pxr")
 from pxr import Usd, UsdGeom, UsdPhysics, UsdValidation  # noqa: E402 (an extra)
 
+import egad  # noqa: E402
+from egad.errors import UserError  # noqa: E402
 from egad.exchange import NamedGripper, sources, write_format  # noqa: E402
 from egad.exchange.grasps.simready import write  # noqa: E402
 from egad.exchange.parameters import AllObjects  # noqa: E402
+from egad.grasps import Grasps  # noqa: E402
 from egad.grippers import GRIPPERS, Gripper  # noqa: E402
 from egad.grippers.hand import JAW_CLEARANCE  # noqa: E402
 from egad.tables import parquet  # noqa: E402
@@ -197,3 +200,53 @@ def test_a_fixed_jaw_has_its_end_of_a_line_before_the_first_contact(made, labell
         )
         np.testing.assert_allclose(start, contact - JAW_CLEARANCE * axis, atol=2e-5)
         np.testing.assert_allclose(end - start, hand.opening * axis, atol=1e-7)
+
+
+def test_lines_are_read_again_in_the_frame_of_the_prop(props, grasps, tmp_path):
+    path = tmp_path / "moved.usda"
+    stage = open_prop(props, "B01_0")
+    UsdGeom.SetStageMetersPerUnit(stage, 0.01)
+    UsdGeom.XformCommonAPI(stage.GetDefaultPrim()).SetTranslate((1, 2, 3))
+    scope = UsdGeom.Xform.Define(stage, "/B01_0/grasps")
+    scope.AddTranslateOp().Set((1, 0, 0))
+    scope.AddRotateZOp().Set(90)
+    stage.GetRootLayer().Export(str(path))
+    rows = grasps[(grasps["label"] == "B01_0") & grasps["simulated_success"].eq(True)]
+    expected = Grasps(rows).sorted_by("robust_quality")
+    found = egad.read_grasps(props / "B01_0/simready/B01_0.usd")
+    assert found.poses == pytest.approx(expected.poses, abs=1e-6)
+    assert (found.widths == expected.widths).all()
+    assert found.source_success.all()
+    small = egad.read_grasps(path)
+    assert small.widths == pytest.approx(expected.widths / 100, rel=1e-12)
+    center = small.poses[:, :3, 3]
+    UsdGeom.SetStageMetersPerUnit(stage, 1)
+    stage.GetRootLayer().Export(str(path))
+    moved = np.array([[0, -1, 0, 1], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) @ expected.poses
+    assert egad.read_grasps(path).poses == pytest.approx(moved, abs=1e-6)
+    assert center == pytest.approx(moved[:, :3, 3] / 100, abs=1e-8)
+
+
+def test_props_that_cannot_be_read_are_refused(props, tmp_path):
+    path = tmp_path / "a.usda"
+    path.write_text("#usda 1.0\ndef")
+    with pytest.raises(UserError, match="not a file of OpenUSD, or it is damaged"):
+        egad.read_grasps(path)
+    stage = open_prop(props, "B01_0")
+    lines_of(stage)[0].GetPrim().ClearCustomData()
+    stage.GetRootLayer().Export(str(path))
+    with pytest.raises(UserError, match=r"1 of .* grasp lines .* do not say where the hand comes"):
+        egad.read_grasps(path)
+    stage.ClearDefaultPrim()
+    stage.GetRootLayer().Export(str(path))
+    with pytest.raises(UserError, match="0 of 0 grasp lines"):
+        egad.read_grasps(path)
+
+
+def test_grasps_of_a_fixed_jaw_are_read_again(made, labelled, tmp_path):
+    hand = Gripper.from_file(jaw_urdf(tmp_path / "hand.urdf"))
+    rows = labelled[labelled["label"] == "B01_0"].assign(simulated_success=True)
+    write(tmp_path, "ell", made, rows, NamedGripper("hand", hand))
+    found = egad.read_grasps(tmp_path / "ell/simready/ell.usd")
+    expected = Grasps(rows).sorted_by("robust_quality")
+    assert found.poses == pytest.approx(expected.poses, abs=1e-6)

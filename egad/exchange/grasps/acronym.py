@@ -27,7 +27,7 @@ from egad.tables import parquet
 from egad.tables.grasping import MOTIONS, SCALES
 from egad.tables.objects import OBJECTS
 
-KEYS, REFERENCE = ({"grasps/transforms"},), ""
+KEYS = ({"grasps/transforms"},)
 log = logging.getLogger(__name__)
 # From the origin of its hand, the flange of a Franka Panda, to the fingertips, metres.
 PANDA_REACH = 0.11217

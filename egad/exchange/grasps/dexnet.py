@@ -22,7 +22,7 @@ from egad.tables.grasping import GRASPS
 from egad.tables.objects import OBJECTS
 
 log = logging.getLogger(__name__)
-KEYS, REFERENCE = ({"dexnet"},), ""
+KEYS = ({"dexnet"},)
 METRICS = {"ferrari_canny": "quality", "robust_ferrari_canny": "robust_quality"}
 METRICS |= {"robust_ferrari_canny_std": "robust_quality_std"} | {n: n for n in QUALITIES[3:]}
 OWN = tuple(METRICS)[2:]
@@ -112,16 +112,16 @@ def configurations(centers: Floats, axes: Floats, approaches: Floats, opening: f
 
 def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps:
     """The grasps of one object with one gripper, from the direction that their angle says."""
-    known = content["dexnet"]
-    name = files.one_object([each[0] for each in known], options, "objects or grippers")
-    rows = [each for each in known if each[0] == name]
-    numbers = np.stack([each[2] for each in rows])
+    name = files.one_object(list(content["dexnet"]), options, "objects or grippers")
+    with h5py.File(content["path"]) as file:
+        grasps = sorted(file[content["dexnet"][name]].values(), key=lambda each: each.attrs["id"])
+        numbers = np.stack([each.attrs["configuration"] for each in grasps])
+        score = [each["metrics"].attrs.get("robust_ferrari_canny", np.nan) for each in grasps]
     axes, turns, there = numbers[:, 3:6], numbers[:, 7:8], frames(numbers[:, 3:6])
     ahead = np.cos(turns) * there[:, :, 0] + np.sin(turns) * there[:, :, 2]
-    matrices = np.tile(np.eye(4), (len(rows), 1, 1))
+    matrices = np.tile(np.eye(4), (len(numbers), 1, 1))
     matrices[:, :3] = np.stack([ahead, axes, np.cross(ahead, axes), numbers[:, :3]], axis=2)
     place = files.hand_in_frame(options.frame or "y x", options.depth or 0.0)
-    score = [each[3].get("robust_ferrari_canny", np.nan) for each in rows]
     return files.file_grasps(matrices, place, openings=numbers[:, 6], score=score)
 
 

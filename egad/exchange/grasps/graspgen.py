@@ -27,7 +27,7 @@ from egad.sim import SimulationObject, held_when_shaken, with_outcome
 
 log = logging.getLogger(__name__)
 
-KEYS, REFERENCE = ({"object", "grasps"},), ""
+KEYS = ({"grasps.transforms"},)
 Split = Literal["train", "valid"]
 SPLITS: tuple[Split, Split] = ("train", "valid")
 ONE_IN = 10  # one in this many objects is for validation

@@ -10,6 +10,7 @@ import trimesh
 
 from egad._util.arrays import Floats
 from egad._util.progress import progress
+from egad.exchange import grasp_files as files
 from egad.exchange.grasp_tables import by_object
 from egad.exchange.grasps.graspgen import DESCRIPTION, add_object, start_dataset
 from egad.exchange.hdf5 import check_key
@@ -24,7 +25,7 @@ from egad.sim import SimulationObject
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 
-KIND = "cup"
+KEYS, KIND = ({"grasps.transforms", "grasps.suction_points"},), "cup"
 STANDOFF = 0.001  # metres that GraspGen's cup stays above the surface
 OUTWARDS = np.diag([1.0, -1.0, -1.0, 1.0])  # our z is the approach, theirs the outward normal
 COLUMNS = [name for name in GRASPS.names if name not in ("id", "label")]
@@ -44,6 +45,20 @@ def suction_transforms(grasps: Grasps) -> Floats:
     poses: Floats = grasps.poses @ OUTWARDS
     poses[:, :3, 3] += STANDOFF * poses[:, :3, 2]
     return poses
+
+
+def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps:
+    """The grasps of a file, the middle of the ring on the mesh times `object.scale`; 0 wide."""
+    grasps, depth = content["grasps"], options.depth
+    if depth is None:
+        depth = content.get("gripper", {}).get("standoff_distance", STANDOFF)
+    return files.file_grasps(
+        grasps["transforms"],
+        files.hand_in_frame(options.frame or "x -z", depth),
+        widths=0.0,
+        success=np.asarray(grasps.get("object_in_gripper", np.nan), np.float64),
+        score=grasps.get("score", np.nan),
+    )
 
 
 def described_cup(name: str, cup: SuctionCup) -> dict[str, Any]:
@@ -76,11 +91,15 @@ def start_suction(folder: Path, name: str, cup: SuctionCup) -> None:
 def write_suction(
     folder: Path, name: str, cup: SuctionCup, label: str, mesh: trimesh.Trimesh, rows: pd.DataFrame
 ) -> None:
-    """Write the grasps of an object, those that seal as in the gripper, and its name to a list."""
+    """Write the grasps of an object, those that seal as in the gripper, and its name to a list.
+
+    Grasps of other programs keep their label.
+    """
     grasps = Grasps(rows)
     poses = grasps.poses
     frames = np.ascontiguousarray(poses[:, :3, :3].transpose(0, 2, 1))
     sealed = seal_cups(RayCaster(mesh), cup, poses[:, :3, 3], frames).sealed
+    held = np.asarray(rows.get("simulated_success", sealed & grasps.collision_free), dtype=bool)
     written = {
         "object": {"file": f"{label}.obj", "scale": 1.0},
         "gripper": described_cup(name, cup),
@@ -88,7 +107,7 @@ def write_suction(
             "transforms": suction_transforms(grasps).round(9).tolist(),
             "suction_points": grasps.contacts[:, 0].round(9).tolist(),
             "approach_vectors": (-poses[:, :3, 2]).round(9).tolist(),
-            "object_in_gripper": (sealed & grasps.collision_free).tolist(),
+            "object_in_gripper": held.tolist(),
             "is_sealed": sealed.tolist(),
             "score": grasps.quality.tolist(),
         },

@@ -1,22 +1,26 @@
 """GraspNet arrays: the grasps of a gripper on an object as the 17 numbers of graspnetAPI."""
 
+import math
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Floats, Ints
 from egad.errors import UserError
 from egad.exchange import grasp_files as files
 from egad.exchange.grasp_tables import simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import GripperFormat, NamedGripper
-from egad.grasps import Grasps
+from egad.grasps import Grasps, hand_poses
 from egad.io import write_obj
 from egad.sim import SimulationObject, held_when_shaken, with_outcome
 
-KEYS = ({"rows"},)
+LABELS = {"points", "offsets", "scores"}
+KEYS = ({"rows"}, LABELS)
 REFERENCE = (
     "its poses are in the frame of the mesh (files of egad) or of a camera (predictions), and it "
     "does not say which"
@@ -26,6 +30,10 @@ DEPTH = 0.02  # metres; GraspNet has grasps with depths of 1, 2, 3 and 4 cm
 HEIGHT = 0.02  # metres; of every finger in GraspNet
 MAX_SCORE = 1.1  # a score is 1.1 less the friction that a grasp needs
 FRICTIONS = (0.1, 1.0)
+VIEWS = 300
+CANDIDATES = (VIEWS, 12, 4)  # views, angles and depths at which points are labelled
+STEPS = 14  # of 0.1, of friction coefficients
+ROUNDED = 1e-3  # of friction coefficients in half precision
 
 
 def graspnet_array(grasps: pd.DataFrame, opening: float, number: int) -> Floats:
@@ -57,7 +65,13 @@ def graspnet_array(grasps: pd.DataFrame, opening: float, number: int) -> Floats:
 
 
 def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps:
-    """The grasps of one object, with the contacts `depth` ahead, at the ends of their fingers."""
+    """The grasps of one object, with the contacts `depth` ahead, at the ends of their fingers.
+
+    The file is an array of graspnetAPI, or the labels of an object of GraspNet-1Billion.
+    """
+    if content.keys() >= LABELS:
+        return _read_labels(cast("files.NpzFile", content), options)
+    options.needed("reference", REFERENCE)
     rows = np.asarray(content["rows"], np.float64)
     if rows.ndim != 2 or rows.shape[1] != WIDTH:
         raise UserError(f"its array has the shape {rows.shape}; allowed: (n, {WIDTH})")
@@ -68,6 +82,71 @@ def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps
     depths = rows[:, 3] if options.depth is None else options.depth
     place = files.hand_in_frame(options.frame or "y x", depths)
     return files.file_grasps(matrices, place, openings=rows[:, 1], score=rows[:, 0])
+
+
+def _read_labels(content: files.NpzFile, options: files.ReadOptions) -> files.FileGrasps:
+    """The candidates of an object that have a friction coefficient: the positive `scores`.
+
+    A candidate is a point, a view from a Fibonacci sphere, against which the hand approaches, an
+    angle about it and a depth. It fails if the hand collides with the object.
+
+    Source: `loadGrasp` and `generate_views` of graspnetAPI, whose views are in single precision.
+    """
+    points = np.asarray(content["points"], np.float64).reshape(-1, 3)
+    shape = (len(points), *CANDIDATES)
+    kept, friction = _with_friction(content, shape, options.max_friction)
+    angles, depths, widths = _take(content, "offsets", kept, (*shape, 3)).astype(np.float64).T
+    point, view, *_ = np.unravel_index(kept, shape)
+    height, turn = (2 * view + 1) / VIEWS - 1, view * np.pi * (np.sqrt(5) - 1)
+    level = np.sqrt(1 - height**2)
+    ahead = -np.stack([level * np.cos(turn), level * np.sin(turn), height], axis=1)
+    flat = np.stack([np.sin(turn), -np.cos(turn), np.zeros(len(kept))], axis=1)
+    closing = np.cos(angles)[:, None] * flat + np.sin(angles)[:, None] * np.cross(ahead, flat)
+    success = np.ones(len(kept))
+    if "collision" in content:
+        success -= _take(content, "collision", kept, shape)[:, 0]
+    return files.file_grasps(
+        hand_poses(points[point], closing, ahead)[:, :, [2, 0, 1, 3]],
+        files.hand_in_frame(
+            options.frame or "y x", depths if options.depth is None else options.depth
+        ),
+        openings=widths,
+        success=success,
+        score=MAX_SCORE - friction,
+        note=f"{len(kept):,} of {math.prod(shape):,} candidates have a friction coefficient; the "
+        f"hand collides at {int((success == 0).sum()):,} of them",
+    )
+
+
+def _with_friction(
+    content: files.NpzFile, shape: tuple[int, ...], limit: float | None
+) -> tuple[Ints, Floats]:
+    """Which candidates of `shape` have a positive friction coefficient up to a limit, and which."""
+    kept, values, counts = [np.empty(0, np.int64)], [np.empty(0)], np.zeros(STEPS, np.int64)
+    for first, block in content.blocks("scores", shape):
+        scores = block[:, 0].astype(np.float64)
+        if not np.isfinite(scores).all():
+            raise UserError("it has scores that are not finite")
+        rows = np.flatnonzero((scores > 0) & (scores <= (limit or np.inf) + ROUNDED))
+        steps = np.ceil(10 * (scores[rows] - ROUNDED)).clip(0, STEPS - 1)
+        counts += np.bincount(steps.astype(np.int64), minlength=STEPS)
+        if counts.sum() <= files.MAX_GRASPS:
+            kept, values = [*kept, first + rows], [*values, scores[rows]]
+    if counts.sum() > files.MAX_GRASPS:
+        known = enumerate(np.cumsum(counts)[: STEPS - 1])
+        listed = ", ".join(f"{step / 10:g}: {count:,}" for step, count in known if count)
+        asked = f"give a lower `max_friction`, {files.ASKED['max_friction']} ({listed})"
+        raise UserError(f"it has {counts.sum():,} grasps; at most {files.MAX_GRASPS:,}: {asked}")
+    return np.concatenate(kept), np.concatenate(values)
+
+
+def _take(content: files.NpzFile, name: str, kept: Ints, shape: tuple[int, ...]) -> NDArray[Any]:
+    """The numbers of some candidates, (n, k)."""
+    found = []
+    for first, block in content.blocks(name, shape, 3 if name == "offsets" else 1):
+        low, high = np.searchsorted(kept, (first, first + len(block)))
+        found.append(block[kept[low:high] - first])
+    return np.concatenate(found)
 
 
 def needed_friction(grasps: Grasps) -> Floats:

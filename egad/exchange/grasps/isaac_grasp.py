@@ -19,7 +19,7 @@ from egad.grippers import Gripper, base_link, base_pose, hand_body, joint_values
 from egad.io import write_obj
 from egad.sim import SimulationObject, held_when_shaken, with_outcome
 
-KEYS, REFERENCE = ({"format", "grasps"},), ""
+KEYS = ({"format", "grasps"},)
 DECIMALS = 9
 WIDE = 1000  # characters of a line
 

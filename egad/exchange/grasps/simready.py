@@ -17,11 +17,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics, UsdShade, Vt
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdSemantics, UsdShade, Vt
 
 from egad import __version__
 from egad._util.arrays import Singles
 from egad._util.display import thumbnail
+from egad.errors import UserError
+from egad.exchange import grasp_files as files
 from egad.exchange.grasp_tables import SIMULATED_COLUMNS, by_object, check_simulated
 from egad.exchange.hdf5 import check_key
 from egad.exchange.object_files import write_poses
@@ -29,7 +31,7 @@ from egad.exchange.objects import usd
 from egad.exchange.parameters import AllObjects, NamedGripper
 from egad.exchange.whole_sets import write_all
 from egad.geometry import Bundle
-from egad.grasps import Grasps
+from egad.grasps import Grasps, hand_poses
 from egad.grippers import hand_body
 from egad.sim import SimulationObject
 from egad.tables.columns import vector_names
@@ -40,6 +42,7 @@ LINE_COLOR = Gf.Vec3f(0.1, 0.7, 0.2)
 MATERIAL = "plastic"
 PHYSICAL_OBJECT = "Q223557"  # of Wikidata
 
+KEYS, LINE = ({"usd"},), "grasp_identifier_"
 log = logging.getLogger(__name__)
 
 
@@ -85,9 +88,45 @@ def _add_lines(stage: Usd.Stage, held: pd.DataFrame, hand: NamedGripper) -> None
     reach = ends[:, :, None] * poses[:, :3, 0]
     lines = np.swapaxes(poses[:, :3, 3] + reach, 0, 1)
     for number, (line, row) in enumerate(zip(lines, held.to_dict("records"), strict=True), 1):
-        path = scope.GetPath().AppendChild(f"grasp_identifier_{number:03d}")
+        path = scope.GetPath().AppendChild(f"{LINE}{number:03d}")
         curve = _define_line(stage, path, line.astype(np.float32))
         curve.GetPrim().SetCustomDataByKey("egad", _about(row, hand.name))
+
+
+def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps:
+    """The grasps that have a line of `write_simready`, in the frame of the prop.
+
+    Closing axes are those of the lines, in single precision. Lines of others have no approach.
+    """
+    try:
+        stage = Usd.Stage.Open(str(content["usd"]), Usd.Stage.LoadNone)
+    except Tf.ErrorException as error:
+        raise UserError("it is not a file of OpenUSD, or it is damaged") from error
+    prop, cache = stage.GetDefaultPrim(), UsdGeom.XformCache()
+    prims = (
+        [each for each in Usd.PrimRange(prop) if each.GetName().startswith(LINE)] if prop else []
+    )
+    about = [prim.GetCustomDataByKey("egad") or {} for prim in prims]
+    if not prims or any("center" not in each for each in about):
+        raise UserError(
+            f"{sum('center' not in each for each in about)} of {len(prims)} grasp lines of its "
+            "default prim do not say where the hand comes from; lines of egad do"
+        )
+    rows: list[list[Gf.Vec3d]] = []
+    for prim, each in zip(prims, about, strict=True):
+        placed, _ = cache.ComputeRelativeTransform(prim, prop)
+        start, end = map(placed.Transform, UsdGeom.BasisCurves(prim).GetPointsAttr().Get())
+        center, ahead = placed.Transform(each["center"]), placed.TransformDir(each["approach"])
+        rows.append([center, Gf.Vec3d(end - start).GetNormalized(), ahead])
+    centers, axes, approaches = np.moveaxis(np.array(rows, np.float64), 1, 0)
+    unit = UsdGeom.GetStageMetersPerUnit(stage)
+    return files.file_grasps(
+        hand_poses(unit * centers, axes, approaches),
+        files.hand_in_frame(options.frame or "x z", options.depth or 0.0),
+        widths=[unit * each["width"] for each in about],
+        success=1.0,  # grasps that failed have no line
+        score=[each["robust_quality"] for each in about],
+    )
 
 
 def _define_line(stage: Usd.Stage, path: Sdf.Path, line: Singles) -> UsdGeom.BasisCurves:
@@ -106,10 +145,13 @@ def _define_line(stage: Usd.Stage, path: Sdf.Path, line: Singles) -> UsdGeom.Bas
 
 def _about(row: Mapping[Hashable, Any], gripper: str) -> dict[str, object]:
     """What was measured for a grasp. Each was simulated once."""
-    approach = Gf.Vec3d(*(row[name] for name in vector_names("approach")))
+    center, approach = (
+        Gf.Vec3d(*(row[name] for name in vector_names(vector))) for vector in ("center", "approach")
+    )
     return {
         "gripper": gripper,
         "grasp": row["grasp"],
+        "center": center,
         "approach": approach,
         "width": row["width"],
         "robust_quality": row["robust_quality"],

@@ -15,6 +15,7 @@ DEPTH = 0.1034  # metres from the base of the Panda's hand to the contacts
 
 def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps:
     """The grasps of one segment; -1 stands for the whole cloud. Contacts give the widths."""
+    options.needed("reference", REFERENCE)
     segments = {str(key): key for key in content["pred_grasps_cam"]}
     key = segments[files.one_object(list(segments), options, "segments")]
     matrices = np.asarray(content["pred_grasps_cam"][key], np.float64).reshape(-1, 4, 4)

@@ -11,7 +11,6 @@ from egad.exchange import grasp_files as files
 
 POINT, TURN = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
 KEYS = ({"poses"}, {*POINT, *TURN})
-REFERENCE = ""  # that of the mesh, unless the caller says otherwise
 
 
 def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps:

@@ -17,6 +17,7 @@ TIPS = 0.05  # metres from its poses to the fingertips of its Panda, `finger_dep
 
 def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps:
     """The grasps of one scene. `width` is what closed fingers measured, if the grasp succeeded."""
+    options.needed("reference", REFERENCE)
     scenes = content["scene_id"].astype(str)
     rows = scenes == files.one_object(scenes.tolist(), options, "scenes")
     columns = {name: content[name][rows].astype(np.float64) for name in NUMBERS}

@@ -1,3 +1,4 @@
+from .sampler import GRAVITY as GRAVITY
 from .sampler import collision_free as collision_free
 from .sampler import sample_suction as sample_suction
 from .sampler import suction_poses as suction_poses
