@@ -77,7 +77,7 @@ class CellErrors(UserParameters):
         return self
 
 
-NAMED_ERRORS = {
+NAMED_ERRORS: dict[str, CellErrors] = {
     "none": CellErrors(),
     "typical": CellErrors(
         calibration=0.0025,

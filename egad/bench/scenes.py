@@ -21,7 +21,7 @@ SCENE_TRIES = 10  # ours: scenes without any object in the workspace are made ag
 SETTLING_TIME = 2.0  # seconds, at most
 REST_SPEED = 0.01  # m/s and rad/s
 REST_TIME = 0.1  # ours: seconds that all objects must be slower than that
-EGAD = ClutterProtocol()
+EGAD: ClutterProtocol = ClutterProtocol()
 
 
 class RestingObject(NamedTuple):

@@ -20,16 +20,11 @@ class NamedGripper(NamedTuple):
 class DexNet(Parameters):
     """Export as one HDF5 file for Dex-Net."""
 
-    field_size: int = Field(
-        40, ge=8, le=256, description="nodes per side of a distance field; Dex-Net uses 100"
-    )
-    field_padding: int = Field(
-        2,
-        ge=1,
-        le=64,
-        description="cells between the bounding box of the object and the edge of the field; "
-        "Dex-Net uses 5 of 100",
-    )
+    field_size: int = Field(40, ge=8, le=256)
+    """nodes per side of a distance field; Dex-Net uses 100"""
+    field_padding: int = Field(2, ge=1, le=64)
+    """cells between the bounding box of the object and the edge of the field; Dex-Net uses 5 of
+    100"""
 
     @model_validator(mode="after")
     def _the_object_fits_into_its_field(self) -> Self:
@@ -44,12 +39,10 @@ class DexNet(Parameters):
 class Acronym(Parameters):
     """Export as HDF5 files for acronym_tools."""
 
-    min_robust_success_rate: Fraction = Field(
-        0.5,
-        description="minimum robust success rate of a grasp that counts as a success; the open "
-        "hand must also be free of collisions at the grasp and on its straight approach, for the "
-        "best of the approach angles tried",
-    )
+    min_robust_success_rate: Fraction = 0.5
+    """minimum robust success rate of a grasp that counts as a success; the open hand must also be
+    free of collisions at the grasp and on its straight approach, for the best of the approach
+    angles tried"""
 
 
 class GripperFormat(ParameterGroup):
