@@ -65,6 +65,7 @@ def hands(
     from egad._util.parameters import from_arguments
     from egad.bench.hands import HandParameters, HandTrials, check_distinct, compare_at
     from egad.detectors import keep_failure
+    from egad.grippers import files_of
     from egad.io import check_ending
     from egad.report.hands import write_card
     from egad.sim import check_engine
@@ -87,8 +88,9 @@ def hands(
     chosen_settings = from_arguments(HandParameters, seed=seed, hands=trials)
     table = out.with_suffix(".parquet")
     arguments = {"objects": Path(objects).name, "hands": ", ".join(compared)}
+    inputs = [*files, *(file for hand in compared.values() for file in files_of(hand))]
     with (
-        recorded("hands", settings=chosen_settings, inputs=files, arguments=arguments),
+        recorded("hands", settings=chosen_settings, inputs=inputs, arguments=arguments),
         keep_failure(table),
     ):
         card = compare_at(compared, targets, detect, chosen_settings, rule, jobs)

@@ -3,8 +3,10 @@
 import pytest
 import trimesh
 from commands import egad
+from described_hands import box_urdf
 
 from egad.bench.hands import HandComparison
+from egad.tables import parquet
 
 
 @pytest.fixture
@@ -35,6 +37,14 @@ def test_a_card_is_written_with_the_attempts_beside_it(folder):
     page = (folder / "card.html").read_text()
     assert "mine: 1 object" in page
     assert "at their own size" in page
+
+
+def test_the_files_of_hands_are_among_what_was_read(folder):
+    box_urdf(folder / "boxes.urdf")
+    done = compared("boxes.urdf", "--out", "card.html", "--films", 0)
+    assert done.returncode == 0, done.stderr
+    read = [name for name, _ in parquet.origin_of(folder / "card.parquet")["inputs"]]
+    assert read == ["parts/bar.stl", "parts/cube.stl", "boxes.urdf"]
 
 
 @pytest.mark.parametrize(
