@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from pydantic.fields import FieldInfo
+
 from egad._util.files import write_text
 from egad._util.markdown import table
 from egad.bench.hands import HandComparison
@@ -22,13 +24,14 @@ SIZES = ("opening", "finger_length", "force")
 CHANGE = 0.5  # of the success rate at an object, that is told as a gain or loss
 PRINTING = """## Print and mount
 
-`first_tip.stl` and `second_tip.stl` (together `tips.3mf`) lie as they are printed: without support,
-4 perimeters or more, full infill. The first one is for the fixed jaw, if one jaw is fixed. The foot
-of a tip fits the shape of its jaw that collides: to 0.5 mm if one jaw moves, else its convex hull.
+`first_tip.stl` and `second_tip.stl` (together `tips.3mf`) lie as they are printed: 4 perimeters or
+more, full infill. The first one is for the fixed jaw, if one jaw is fixed. The foot of a tip fits
+the shape of its jaw that collides: to 0.5 mm if one jaw moves, else its convex hull.
 """
 MOUNTING = {
-    "glue": "Sand the jaw and glue the foot with epoxy.",
-    "screw": "Drill the jaw through the foot, 3.4 mm, and use countersunk M3 screws.",
+    "glue": "Print without support. Sand the jaw and glue the foot with epoxy.",
+    "screw": "Print without support. Drill the jaw through the foot, 3.4 mm, and use countersunk "
+    "M3 screws.",
     "join": "Each print is a jaw with its tip, of the shape that collides, from the palm on: cut "
     "the bores again that this fills, and let the slicer check thin walls and add support.",
 }
@@ -68,7 +71,7 @@ def _log_page(designed: DesignedTips, name: str, targets: Sequence[NamedMesh]) -
 def datasheet(designed: DesignedTips, name: str, base: Gripper) -> str:
     """The datasheet, as Markdown."""
     fields, hands = FingertipDesign.model_fields, (base, designed.hand)
-    rows = ((key, _shown(key, value), fields[key].description) for key, value in designed.design)
+    rows = ((key, _shown(key, value), _meaning(fields[key])) for key, value in designed.design)
     sizes = ((key, *(_shown(key, getattr(each, key)) for each in hands)) for key in SIZES)
     works = int((designed.table["problems"] == "").sum())
     parts = [
@@ -83,6 +86,11 @@ def datasheet(designed: DesignedTips, name: str, base: Gripper) -> str:
         PRINTING + MOUNTING[designed.design.mount] + CHECKING,
     ]
     return "\n\n".join(parts) + "\n"
+
+
+def _meaning(field: FieldInfo) -> str:
+    """What a dimension is, without the unit that its setting has."""
+    return (field.description or "").replace(", metres", "").replace(", degrees", "")
 
 
 def _shown(key: str, value: float | str) -> str:
