@@ -1,6 +1,7 @@
 """The datasheet of designed fingertips: dimensions, a picture, gains and losses, how to print."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from pydantic.fields import FieldInfo
@@ -33,12 +34,13 @@ MOUNTING = {
     "screw": "Print without support. Drill the jaw through the foot, 3.4 mm, and use countersunk "
     "M3 screws.",
     "join": "Each print is a jaw with its tip, of the shape that collides, from the palm on: cut "
-    "the bores again that this fills, and let the slicer check thin walls and add support.",
+    "the bores again that this fills. Parts that do not touch are 0.25 mm thicker all around. Only "
+    "what is added was checked: let the slicer look for thin walls, and add support.",
 }
 CHECKING = """
 
-Then check on the robot: `log.html` logs attempts before and after in random order, in rounds; `egad
-trials compare` reads its CSV file."""
+Then check on the robot: `log.html` logs all attempts before, then all after the tips are mounted,
+objects in random order; keep camera and light as they are. `egad trials compare` reads its CSV."""
 
 
 def write_tip_pages(
@@ -65,6 +67,8 @@ def _log_page(designed: DesignedTips, name: str, targets: Sequence[NamedMesh]) -
         if each.label in judged
     ]
     planned = plan(judged, ROUNDS, ("before", "after"), 0, blind=False, rounds=True)
+    order = sorted(planned.order, key=lambda attempt: attempt.detector == "after")
+    planned = replace(planned, order=tuple(order))  # tips are mounted once
     return page(planned, objects, f"{name}, before and after")
 
 

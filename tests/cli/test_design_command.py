@@ -30,6 +30,7 @@ def folder(tmp_path, monkeypatch):
         trimesh.creation.box(sides).export(tmp_path / "parts" / f"{name}.stl")
     (tmp_path / "tips.yaml").write_text(SPACE)
     (tmp_path / "bad.yaml").write_text("tips: {length: [0.02, 0.01]}\n")
+    (tmp_path / "mounts.yaml").write_text("tips: {mount: [glue, screw]}\n")
     (tmp_path / "steep.yaml").write_text("tips: {groove_angle: 80}\n")
     return tmp_path
 
@@ -61,7 +62,8 @@ def test_the_folder_has_the_hand_the_prints_a_card_and_a_datasheet(folder):
     sheet = json.loads(re.search(r'id="sheet">(.*?)</script>', page, re.DOTALL)[1])
     assert [each["name"] for each in sheet["detectors"]] == ["before", "after"]
     assert {each["label"] for each in sheet["objects"]} == set(card.table["label"])
-    assert len(sheet["order"]) == 2 * 3 * len(sheet["objects"])
+    half = 3 * len(sheet["objects"])
+    assert [which for *_, which in sheet["order"]] == [0] * half + [1] * half  # mounted once
     expected = {"first_tip.stl", "second_tip.stl", "tips.3mf", "before.png", "after.png"}
     assert expected | {"card-mujoco.html", "designs.parquet"} <= {p.name for p in out.iterdir()}
 
@@ -72,6 +74,7 @@ def test_the_folder_has_the_hand_the_prints_a_card_and_a_datasheet(folder):
     [
         (["panda", "--space", "bad.yaml"], "tips.length is [0.02, 0.01]; allowed: [LOW, HIGH]"),
         (["panda", "--space", "steep.yaml"], "groove_angle is 80"),
+        (["panda", "--space", "mounts.yaml"], "tips.mount is a list; allowed: one"),
         (["panda", "--space", "none.yaml"], "none.yaml"),
         (["cup_30mm", "--space", "tips.yaml"], "the hand cup_30mm has a suction cup and no jaws"),
         (["claw", "--space", "tips.yaml"], "claw"),

@@ -88,6 +88,8 @@ class TipSearch(Parameters):
             if name not in fields:
                 raise ValueError(f"tips has no dimension {name}; allowed: {', '.join(fields)}")
             ends = choice if isinstance(choice, tuple) else (choice,)
+            if name == "mount" and len(ends) > 1:
+                raise ValueError("tips.mount is a list; allowed: one, as all are simulated alike")
             if isinstance(ends[0], float) and list(ends) != sorted(set(map(float, ends))):
                 raise ValueError(f"tips.{name} is {list(ends)}; allowed: [LOW, HIGH]")
             for end in ends:
