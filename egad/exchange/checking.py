@@ -122,8 +122,8 @@ def check_grasps(
     """Name what is wrong with a file of grasps: axes, depth, units, frame of the object, and more.
 
     Each usual mistake is undone, and the grasps that then fit are counted, on at most 2,000 of
-    those that the file labels as successes, or of all. A mistake is named only if at least 30 % of
-    the grasps fit without it, 10 % more than as read, and more than without every other one.
+    those that the file does not call failures, or of all. A mistake is named only if at least 30 %
+    of the grasps fit without it, 10 % more than as read, and more than without every other one.
 
     Args:
         path: The file.
@@ -174,8 +174,8 @@ class _Trial:
         self.caster, self.body = RayCaster(mesh), hand_body(gripper)
 
     def sample(self, file: FileGrasps, count: int) -> FileGrasps:
-        """Some grasps, evenly from those that succeeded, if there are enough, or from all."""
-        rows = np.flatnonzero(file.success == 1)
+        """Some grasps, evenly from those that did not fail, if there are enough, or from all."""
+        rows = np.flatnonzero(file.success != 0)
         rows = rows if len(rows) >= CERTAIN else np.arange(len(file.matrices))
         count = min(count, len(rows), max(int(WORK / len(self.caster.triangles)), FEW))
         return _take(file, rows[np.linspace(0, len(rows) - 1, count).round().astype(np.int64)])
