@@ -88,8 +88,7 @@ def _read_labels(content: files.NpzFile, options: files.ReadOptions) -> files.Fi
     """The candidates of an object that have a friction coefficient: the positive `scores`.
 
     A candidate is a point, a view from a Fibonacci sphere, against which the hand approaches, an
-    angle about it and a depth. It fails if the hand collides with the object, and succeeds
-    otherwise only if the friction that it may need is given.
+    angle about it and a depth. It fails in collision, else succeeds if `max_friction` is given.
 
     Source: `loadGrasp` and `generate_views` of graspnetAPI, whose views are in single precision.
     """
