@@ -63,7 +63,7 @@ def check(
     object_id: ObjectId = None,
     max_friction: Friction = None,
     units: common.Units = None,
-    fix: Annotated[Path | None, typer.Option(help="corrected grasps to write: .npz")] = None,
+    fix: Annotated[Path | None, typer.Option(help="plain poses to write, corrected: .npz")] = None,
     picture: Annotated[Path | None, typer.Option(help="ten grasps to draw: .svg")] = None,
     config: common.Config = None,
 ) -> None:
@@ -88,7 +88,7 @@ def check(
         found.plot().save(picture)
     if fix is not None:
         found.save(fix)
-        typer.echo(f"{fix}: the corrected grasps")
+        typer.echo(f"{fix}: the grasps as plain poses")
 
 
 @grasps.command()

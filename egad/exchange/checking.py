@@ -60,7 +60,7 @@ class GraspCheck:
         count: Number of grasps that were tried.
         matrix: (4, 4) transform that corrects the poses of the file, if there is one.
         side: Side of these poses on which it is multiplied: `left` or `right`.
-        corrected: The grasps without it; None if there are several, or over 50,000 grasps.
+        corrected: The grasps without mistakes; None if there are several, or over 50,000 grasps.
     """
 
     verdict: Verdict
@@ -98,10 +98,8 @@ class GraspCheck:
         return facts_html(f"{self.count} grasps: {self.verdict}", facts)
 
     def save(self, path: str | Path) -> None:
-        """Write the corrected grasps as plain poses, with their frame, depth and unit."""
+        """Write the grasps as plain poses, corrected, with their frame, depth and unit."""
         if self.corrected is None:
-            if self.verdict == "consistent":
-                raise UserError("nothing is written: there is no mistake to correct")
             raise UserError(f"there is no single mistake, or there are over {MANY:,} grasps")
         file = self.corrected
         known: dict[str, ArrayLike] = {"poses": file.poses, "widths": file.widths}
@@ -122,8 +120,8 @@ def check_grasps(
     """Name what is wrong with a file of grasps: axes, depth, units, frame of the object, and more.
 
     Each usual mistake is undone, and the grasps that then fit are counted, on at most 2,000 of
-    those that the file labels as successes, or of all. A mistake is named only if at least 30 % of
-    the grasps fit without it, 10 % more than as read, and more than without every other one.
+    those that the file does not call failures, or of all. A mistake is named only if at least 30 %
+    of the grasps fit without it, 10 % more than as read, and more than without every other one.
 
     Args:
         path: The file.
@@ -157,7 +155,7 @@ def check_grasps(
     if found.corrected is not None:
         files[f"corrected: {found.shares[found.mistakes[0]]:.0%} fit"] = found.corrected
     shown = {title: trial.sample(each, SHOWN).poses for title, each in files.items()}
-    corrected = found.corrected if stride == 1 else None
+    corrected = {"consistent": whole}.get(found.verdict, None if stride > 1 else found.corrected)
     return replace(found, corrected=corrected, drawn=(mesh, shown, options.gripper.gripper))
 
 
@@ -174,8 +172,8 @@ class _Trial:
         self.caster, self.body = RayCaster(mesh), hand_body(gripper)
 
     def sample(self, file: FileGrasps, count: int) -> FileGrasps:
-        """Some grasps, evenly from those that succeeded, if there are enough, or from all."""
-        rows = np.flatnonzero(file.success == 1)
+        """Some grasps, evenly from those that did not fail, if there are enough, or from all."""
+        rows = np.flatnonzero(file.success != 0)
         rows = rows if len(rows) >= CERTAIN else np.arange(len(file.matrices))
         count = min(count, len(rows), max(int(WORK / len(self.caster.triangles)), FEW))
         return _take(file, rows[np.linspace(0, len(rows) - 1, count).round().astype(np.int64)])

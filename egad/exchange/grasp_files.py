@@ -180,15 +180,16 @@ def _dexnet(datasets: Any) -> dict[str, str]:  # noqa: ANN401 (untyped)
     }
 
 
-def _mapping(value: Any) -> Content:  # noqa: ANN401 (whatever it holds)
+def mapping(value: Any, what: str = "it") -> Content:  # noqa: ANN401 (whatever it holds)
+    """Names with values that a file, or a part of it, holds; UserError if it is something else."""
     if not isinstance(value, dict):
-        raise UserError(f"it holds a {type(value).__name__} in place of names with values")
+        raise UserError(f"{what} holds a {type(value).__name__} in place of names with values")
     return cast("Content", value)
 
 
 def _yaml(path: Path) -> Content:
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    return _mapping(yaml.load(path.read_bytes(), loader))  # noqa: S506 (both are safe)
+    return mapping(yaml.load(path.read_bytes(), loader))  # noqa: S506 (both are safe)
 
 
 def _csv(path: Path) -> Content:
@@ -270,7 +271,7 @@ def _header(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
 LOADERS: dict[str, Callable[[Path], Content]] = {
     ".h5": _hdf5,
     ".hdf5": _hdf5,
-    ".json": lambda path: _mapping(json.loads(path.read_bytes())),
+    ".json": lambda path: mapping(json.loads(path.read_bytes())),
     ".yaml": _yaml,
     ".yml": _yaml,
     ".csv": _csv,

@@ -1,6 +1,7 @@
 """Grasps that other programs wrote, tried in simulation: are their labels and scores right?"""
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from html import escape
@@ -51,6 +52,7 @@ from egad.tables.grasping import TRIED_GRASPS
 from egad.tables.outcomes import SIMULATION_FAILURES, Outcome
 
 Place = Literal["free", "table"]
+Levels = float | Sequence[float] | Floats
 OUTCOMES: dict[Place, str] = {"free": "simulated_outcome", "table": "table_outcome"}
 SUCCESSES: dict[Place, Sequence[str]] = {"free": SHAKEN_AND_HELD, "table": (Outcome.SUCCESS,)}
 WHERE: dict[Place, str] = {"free": "in free space", "table": "on a table"}
@@ -94,7 +96,12 @@ class GraspTrials:
         """How often grasps held the object when it was shaken, `free`, or lifted off a `table`."""
         tried, success = self._tried(place)
         marked = tried.assign(success=success, label=self._groups(tried))
-        return mean_rate(marked) if marked["label"].duplicated().any() else rate(marked)
+        if not marked["label"].duplicated().any():
+            return rate(marked)
+        mean, count = mean_rate(marked), self._names(tried).nunique()  # levels add none
+        fewer, more = (sign * (sign * mean.successes * count // len(tried)) for sign in (1, -1))
+        low, high = Rate(fewer, count).interval[0], Rate(more, count).interval[1]
+        return replace(mean, ci_low=min(mean.ci_low, low), ci_high=max(mean.ci_high, high))
 
     def agreement(self, place: Place = "free") -> Kappa:
         """The label of the file (first) against the simulated success (second)."""
@@ -117,14 +124,14 @@ class GraspTrials:
         Returns:
             For each friction, value if there are at most five, or tercile, its smallest and largest
             value, the number of grasps, the rates of success by the labels of the file and in
-            simulation, and how often these agree.
+            simulation, and how often these agree. Grasps without a value are left out.
         """
         check_name("column", column, map(str, self.table.select_dtypes("number")))
-        tried, success = self._tried(place)
+        tried, success = self._tried(place, column)
         whole = tried[column].to_numpy(np.float64)
         thirds = np.array_split(np.argsort(whole, kind="stable"), 3)
         rows, levels, parts = [], np.unique(whole), list(zip(TERCILES, thirds, strict=True))
-        if column == "friction" or 0 < len(levels) <= LEVELS:
+        if column == "friction" or len(levels) <= LEVELS:
             parts = [(f"{level:g}", np.flatnonzero(whole == level)) for level in levels]
         for name, chosen in parts:
             values, labels = tried[column].iloc[chosen], tried["source_success"].iloc[chosen]
@@ -134,21 +141,29 @@ class GraspTrials:
         names = [column, "from", "to", "grasps", "labelled", "simulated", "agreement"]
         return pd.DataFrame(rows, columns=names)
 
-    def _tried(self, place: Place) -> tuple[pd.DataFrame, Flags]:
-        """The grasps that the engine could judge, and whether they succeeded."""
+    def _tried(self, place: Place, column: str = "label") -> tuple[pd.DataFrame, Flags]:
+        """The grasps that have a value and that the engine could judge; whether they succeeded."""
         check_name("place", place, OUTCOMES)
         outcome = self.table[OUTCOMES[place]]
-        known = ~outcome.isin(SIMULATION_FAILURES)
+        known = self.table[column].notna() & ~outcome.isin(SIMULATION_FAILURES)
         return self.table[known], outcome[known].isin(SUCCESSES[place]).to_numpy()
 
     def _groups(self, tried: pd.DataFrame) -> NDArray[np.str_]:
         """What intervals resample: the object of each grasp, or the grasp at all levels."""
-        grasp = self.table.groupby(["friction", "mass"]).cumcount()
-        return np.asarray(tried["label"] if self.unit == "objects" else grasp[tried.index], str)
+        return np.asarray(tried["label"] if self.unit == "objects" else self._names(tried), str)
+
+    def _names(self, tried: pd.DataFrame) -> pd.Series:
+        """The grasp of each row, by object and number: the same at all frictions and masses."""
+        number = self.table.groupby(["label", "friction", "mass"]).cumcount()[tried.index]
+        return tried["label"].astype(str) + " " + number.astype(str)
 
     def _lines(self) -> Iterator[str]:
         engine = engine_names(self.table.assign(engine=self.table["simulated_engine"]))
-        yield f"{len(self)} grasps in {engine}, {self.table['collision_free'].sum()} collision-free"
+        once, over = self.table[~self._names(self.table).duplicated()], ""
+        if len(once) < len(self):
+            levels = self.table.value_counts(["label", "friction", "mass"]).groupby("label").size()
+            over = f" at {levels.max()} frictions and masses ({len(self)} trials, counted below)"
+        yield f"{len(once)} grasps{over} in {engine}, {once['collision_free'].sum()} collision-free"
         friction, mass = (_from_to(self.table[each]) for each in ("friction", "mass"))
         yield f"friction {friction}, mass {mass} kg"
         for place in OUTCOMES:
@@ -183,8 +198,8 @@ def try_grasps(
     *,
     name: str = "object",
     engine: EngineName = "mujoco",
-    friction: float | Sequence[float] = FRICTION,
-    mass: float | Sequence[float] | None = None,
+    friction: Levels = FRICTION,
+    mass: Levels | None = None,
     jobs: int = 1,
 ) -> GraspTrials:
     """Try grasps in simulation, and compare the labels and scores of their file with the results.
@@ -237,12 +252,14 @@ def try_grasps(
     return GraspTrials(pd.concat(tried).reindex(columns=TRIED_GRASPS.names))
 
 
-def _levels(name: str, given: float | Sequence[float], least: float, most: float) -> list[float]:
+def _levels(name: str, given: Levels, least: float, most: float) -> list[float]:
     """Numbers to try, once each; `UserError` if one is out of bounds."""
-    several = given if isinstance(given, list | tuple) else [given]
-    levels = [check_positive(name, each, most) for each in several]
+    several, levels = np.atleast_1d(np.asarray(given, dtype=object)).tolist(), [-1.0]
+    with suppress(UserError):
+        levels = [check_positive(name, each, most) for each in several]
     if min(levels, default=-1.0) < least:
-        raise UserError(f"{name} is {given!r}; allowed: numbers from {least:g} to {most:g}")
+        bounds = f"from {least:g}" if least else "above 0"
+        raise UserError(f"{name} is {given!r}; allowed: numbers {bounds} to {most:g}, one or more")
     return list(dict.fromkeys(levels))
 
 

@@ -48,7 +48,12 @@ def known_grasps(
     by_label = {each.label: each for each in targets}
 
     def read(label: str) -> Grasps:
-        return read_grasps(files[label], None, scaled_solid(by_label[label], gripper, rule), hand)
+        solid = scaled_solid(by_label[label], gripper, rule)
+        try:
+            return read_grasps(files[label], None, solid, hand)
+        except UserError as error:
+            fix = "`egad grasps check FILE --fix FIXED.npz` takes what a file leaves open, and"
+            raise UserError(f"{error}; {fix} writes a file that says so") from error
 
     tables = grasps_by_id(Lazy({label: partial(read, label) for label in files}), targets)
     return tables, [files[label] for label in by_label]

@@ -128,6 +128,10 @@ def test_a_file_of_grasps_is_a_detector_that_knows_where_its_object_is(folder, t
     scaled = ("--rule", "paper", *options[:4])
     done = run("trials", "run", f"grasps:{given}", "--objects", objects, *scaled, *out)
     assert "with grasps of meshes it is none" in done.stderr
+    np.save(tmp_path / "a.npy", np.eye(4)[None])
+    done = run("trials", "run", f"grasps:{tmp_path}/a.npy", "--objects", objects, *options, *out)
+    assert "`frame`" in done.stderr
+    assert "`egad grasps check FILE --fix FIXED.npz` takes what" in done.stderr
     (objects / "rod.obj").write_bytes((folder / "bar.obj").read_bytes())
     done = run("trials", "run", f"grasps:{given}", "--objects", objects, *options, *out)
     assert "there are no grasps of 'rod'; there are some of bar" in done.stderr

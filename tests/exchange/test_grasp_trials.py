@@ -8,6 +8,7 @@ from described_hands import jaw_urdf
 from worlds import EACH_FAST_ENGINE
 
 import egad
+from egad.bench.stats import wilson
 from egad.errors import UserError
 from egad.exchange.grasp_trials import GraspTrials, fingertip_depths
 from egad.grasps import hand_poses
@@ -122,7 +123,11 @@ def test_two_fingers_hold_what_coulomb_friction_can_carry(engine, tmp_path):
 
 
 def test_each_friction_and_mass_is_tried_as_if_alone(tmp_path):
-    whole = try_middle(tmp_path, friction=(0.3, 0.6), mass=(0.1, 0.2)).table
+    tried = try_middle(tmp_path, friction=np.array([0.3, 0.6]), mass=(0.1, 0.2))
+    assert "2 grasps at 4 frictions and masses (8 trials, counted below) in mujoco, 2 coll" in repr(
+        tried
+    )
+    whole = tried.table
     for friction in (0.3, 0.6):
         rows = whole[(whole["friction"] == friction) & (whole["mass"] == 0.2)]
         alone = try_middle(tmp_path, friction=friction, mass=0.2).table
@@ -144,6 +149,12 @@ def test_more_levels_do_not_make_intervals_narrower():
     assert whole.area().interval == pytest.approx(first.area().interval)
     ends = np.diff([first.rate().interval, whole.rate().interval])[:, 0]
     assert ends[1] > 0.9 * ends[0]
+    for outcome in ("success", "missed"):  # nothing varies
+        for objects in (["a"] * 60, ["a", "b"] * 30):
+            known = {"simulated_outcome": outcome, "label": objects}
+            few = GraspTrials(first.table.assign(**known))
+            many = GraspTrials(whole.table.assign(**known | {"label": objects * 3}))
+            assert many.rate().interval == few.rate().interval == wilson(few.rate().successes, 60)
 
 
 def test_depth_is_that_of_the_fingertips_below_the_surface(read):
@@ -167,8 +178,9 @@ def test_terciles_are_those_of_a_table_that_is_counted_by_hand():
     assert found["simulated"].tolist() == [0.5, 1, 0.5]
     assert found["agreement"].tolist() == [0.5, 0.5, 1]
     lost = GraspTrials(table.assign(simulated_outcome="crashed")).by("width")
-    assert lost["grasps"].tolist() == [0, 0, 0]
-    assert lost[["simulated", "agreement"]].isna().all(axis=None)
+    assert lost.empty
+    table.loc[1, "width"] = np.nan
+    assert GraspTrials(table).by("width")["grasps"].tolist() == [1, 1, 1, 1, 1]
     with pytest.raises(UserError, match="known: source_success, width"):
         GraspTrials(table).by("table_outcome")
 
@@ -195,10 +207,13 @@ def test_what_cannot_be_tried_is_refused(read, tmp_path):
         egad.try_grasps(read, CUBE, "cup_30mm")
     with pytest.raises(UserError, match="n is 1001; allowed: a whole number from 1 to 1000"):
         egad.try_grasps(read, CUBE, "panda", n=1001)
-    for wrong in (0, 2.1, "0.5", [0.5, -1], []):
-        with pytest.raises(UserError, match=r"friction is .*; allowed: "):
+    for wrong in (0, 2.1, "0.5", [0.5, -1], [], np.array([0.5, np.nan]), np.ones((2, 2))):
+        sentence = r"(?s)friction is .*; allowed: numbers above 0 to 2, one or more"
+        with pytest.raises(UserError, match=sentence):
             egad.try_grasps(read, CUBE, "panda", friction=wrong)
-    with pytest.raises(UserError, match=r"mass is 0\.01; allowed: numbers from 0\.05 to 100"):
+    with pytest.raises(
+        UserError, match=r"mass is 0\.01; allowed: numbers from 0\.05 to 100, one or more"
+    ):
         egad.try_grasps(read, CUBE, "panda", mass=0.01)
     with pytest.raises(UserError, match="rating 'speed' is not known"):
         GraspTrials(read.to_frame().assign(label="cube")).area("speed")

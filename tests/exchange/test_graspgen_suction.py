@@ -130,6 +130,14 @@ def test_the_quality_of_a_cup_that_is_read_is_that_of_the_sampler(tmp_path):
     assert (found.collision_free == table["collision_free"]).all()
 
 
+@pytest.mark.parametrize(("hand", "points"), [("cup_30mm", {"suction_points": []}), ("panda", {})])
+def test_a_gripper_that_is_text_is_told(tmp_path, hand, points):
+    content = {"transforms": np.eye(4)[None].tolist(), **points}
+    (tmp_path / "a.json").write_text(json.dumps({"gripper": hand, "grasps": content}))
+    with pytest.raises(UserError, match="its gripper holds a str in place of names with values"):
+        egad.read_grasps(tmp_path / "a.json", gripper=hand)
+
+
 def test_a_label_of_another_program_is_kept(tmp_path, folder):
     (path,) = folder.glob("grasp_data/*/box.json")
     content = json.loads(path.read_text())

@@ -235,11 +235,17 @@ def test_props_that_cannot_be_read_are_refused(props, tmp_path):
     stage = open_prop(props, "B01_0")
     lines_of(stage)[0].GetPrim().ClearCustomData()
     stage.GetRootLayer().Export(str(path))
-    with pytest.raises(UserError, match=r"1 of .* grasp lines .* do not say where the hand comes"):
+    with pytest.raises(UserError, match=r"1 of 8 grasp lines do not say where the hand comes"):
+        egad.read_grasps(path)
+    lines_of(stage)[1].GetPrim().ClearCustomDataByKey("egad:width")
+    stage.GetRootLayer().Export(str(path))
+    with pytest.raises(UserError, match=r"2 of 8 grasp lines .*: export it again"):
         egad.read_grasps(path)
     stage.ClearDefaultPrim()
     stage.GetRootLayer().Export(str(path))
-    with pytest.raises(UserError, match="0 of 0 grasp lines"):
+    with pytest.raises(
+        UserError, match=r"no grasp lines, grasp_identifier_\.\.\., under its default"
+    ):
         egad.read_grasps(path)
 
 

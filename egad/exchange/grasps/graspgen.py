@@ -115,7 +115,7 @@ def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps
     widths = np.full(len(matrices), np.nan)
     if (contacts := grasps.get("contact_locations")) is not None:
         widths = np.linalg.norm(np.diff(np.reshape(contacts, (-1, 2, 3)), axis=1)[:, 0], axis=1)
-    depths = options.depth, content.get("gripper", {}).get("depth")
+    depths = options.depth, files.mapping(content.get("gripper", {}), "its gripper").get("depth")
     depth = next((each for each in depths if each is not None), None)
     if depth is None:
         named = options.needed("gripper", "the file has no depth of the hand (or give `depth`)")

@@ -51,7 +51,8 @@ def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps
     """The grasps of a file, the middle of the ring on the mesh times `object.scale`; 0 wide."""
     grasps, depth = content["grasps"], options.depth
     if depth is None:
-        depth = content.get("gripper", {}).get("standoff_distance", STANDOFF)
+        cup = files.mapping(content.get("gripper", {}), "its gripper")
+        depth = cup.get("standoff_distance", STANDOFF)
     return files.file_grasps(
         grasps["transforms"],
         files.hand_in_frame(options.frame or "x -z", depth),

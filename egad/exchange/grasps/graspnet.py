@@ -88,7 +88,7 @@ def _read_labels(content: files.NpzFile, options: files.ReadOptions) -> files.Fi
     """The candidates of an object that have a friction coefficient: the positive `scores`.
 
     A candidate is a point, a view from a Fibonacci sphere, against which the hand approaches, an
-    angle about it and a depth. It fails if the hand collides with the object.
+    angle about it and a depth. It fails in collision, else succeeds if `max_friction` is given.
 
     Source: `loadGrasp` and `generate_views` of graspnetAPI, whose views are in single precision.
     """
@@ -102,9 +102,9 @@ def _read_labels(content: files.NpzFile, options: files.ReadOptions) -> files.Fi
     ahead = -np.stack([level * np.cos(turn), level * np.sin(turn), height], axis=1)
     flat = np.stack([np.sin(turn), -np.cos(turn), np.zeros(len(kept))], axis=1)
     closing = np.cos(angles)[:, None] * flat + np.sin(angles)[:, None] * np.cross(ahead, flat)
-    success = np.ones(len(kept))
+    success = np.full(len(kept), np.nan if options.max_friction is None else 1.0)
     if "collision" in content:
-        success -= _take(content, "collision", kept, shape)[:, 0]
+        success[_take(content, "collision", kept, shape)[:, 0].astype(bool)] = 0
     return files.file_grasps(
         hand_poses(points[point], closing, ahead)[:, :, [2, 0, 1, 3]],
         files.hand_in_frame(

@@ -43,6 +43,7 @@ MATERIAL = "plastic"
 PHYSICAL_OBJECT = "Q223557"  # of Wikidata
 
 KEYS, LINE = ({"usd"},), "grasp_identifier_"
+NEEDED = {"center", "approach", "width", "robust_quality"}  # of a line that is read
 log = logging.getLogger(__name__)
 
 
@@ -107,10 +108,12 @@ def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps
         [each for each in Usd.PrimRange(prop) if each.GetName().startswith(LINE)] if prop else []
     )
     about = [prim.GetCustomDataByKey("egad") or {} for prim in prims]
-    if not prims or any("center" not in each for each in about):
+    if not prims:
+        raise UserError(f"it has no grasp lines, {LINE}..., under its default prim")
+    if lacking := sum(not each.keys() >= NEEDED for each in about):
         raise UserError(
-            f"{sum('center' not in each for each in about)} of {len(prims)} grasp lines of its "
-            "default prim do not say where the hand comes from; lines of egad do"
+            f"{lacking} of {len(prims)} grasp lines do not say where the hand comes from; lines "
+            "that this version of egad exports have it: export it again"
         )
     rows: list[list[Gf.Vec3d]] = []
     for prim, each in zip(prims, about, strict=True):
