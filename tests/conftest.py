@@ -1,7 +1,9 @@
 import builtins
 import os
+import subprocess
 import sys
 from contextlib import nullcontext
+from unittest.mock import patch
 
 # Tests run in a process a core: more threads would only wait for each other.
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
@@ -14,6 +16,8 @@ import trimesh
 from compiled import checks_kernels
 from forks import ADDRESS, forked, server
 
+from egad._util import child_process
+from egad._util.limited import limited
 from egad.data import evaluation_set, released
 from egad.detectors import DepthCamera, Intrinsics, camera_above
 from egad.evolution import Shape, packed_surface
@@ -41,6 +45,15 @@ def _forked_workers(request):
     """Workers are forks, but where their own start is tested."""
     with nullcontext() if "util" in request.path.parts else forked():
         yield
+
+
+@pytest.fixture
+def started_reader():
+    """Files are read in a started process: a fork leaves OpenUSD too little memory of its limit."""
+    limited.close()
+    with patch.object(child_process, "subprocess", subprocess):
+        yield
+    limited.close()
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from egad._util.arguments import check_array, check_positive
 from egad._util.arrays import Flags, Floats
 from egad._util.files import as_path
-from egad._util.limited import FailedError, LimitedProcess, LimitError, limited
+from egad._util.limited import FailedError, LimitError, limited
 from egad._util.progress import progress
 from egad.errors import MissingPackageError, UserError, check_name
 from egad.exchange.grasp_files import (
@@ -144,10 +144,8 @@ def read_file(path: Path, name: str | None, options: ReadOptions) -> FileGrasps:
     """The grasps of a file as it has them, their poses not checked; `UserError`."""
     if name is not None:
         check_name("format", name, READERS)
-    # OpenUSD and MuJoCo in one limited process crash
-    process = LimitedProcess() if path.suffix.lower() in READERS["simready"] else limited
     try:
-        file = process(_read, path, name, options)
+        file = limited(_read, path, name, options)
         if file.note:
             log.info("%s: %s", path, file.note)
         return file
@@ -158,9 +156,6 @@ def read_file(path: Path, name: str | None, options: ReadOptions) -> FileGrasps:
         raise UserError(f"{path}: not {about} ({error})") from error
     except (UserError, LimitError) as error:
         raise UserError(f"{path}: {error}") from error
-    finally:
-        if process is not limited:
-            process.close()
 
 
 def _read(path: Path, name: str | None, options: ReadOptions) -> FileGrasps:

@@ -25,6 +25,7 @@ def grasps(mesh):
     return egad.sample_grasps(mesh, "panda", n=40)
 
 
+@pytest.mark.usefixtures("started_reader")
 @pytest.mark.parametrize("name", SOURCES)
 def test_poses_widths_and_labels_come_back(name, mesh, grasps, tmp_path):
     path, said = write_source(name, tmp_path, grasps)

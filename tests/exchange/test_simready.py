@@ -22,6 +22,7 @@ from egad.tables import parquet  # noqa: E402
 from egad.tables.grasping import SIMULATED_GRASPS  # noqa: E402
 from egad_workflow.settings import select  # noqa: E402
 
+pytestmark = pytest.mark.usefixtures("started_reader")
 LABELS = ("A00_0", "B01_0", "C02_0")
 OPENING = GRIPPERS["yumi"].opening
 
