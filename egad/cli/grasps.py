@@ -35,7 +35,7 @@ REFERENCE = "text file with the (4, 4) pose of the camera or scene; `object` if 
 Reference = Annotated[Path | None, typer.Option(help=REFERENCE)]
 FRICTIONS = f"friction of the fingers; may be repeated; default: {FRICTION}"
 ObjectId = Annotated[str | None, typer.Option(help="object, segment or scene of the file")]
-Friction = Annotated[float | None, typer.Option(help="largest friction coefficient: graspnet")]
+MaxFriction = Annotated[float | None, typer.Option(help="largest friction coefficient: graspnet")]
 
 
 @contextmanager
@@ -61,7 +61,7 @@ def check(
     pose_units: PoseUnits = None,
     reference: Reference = None,
     object_id: ObjectId = None,
-    max_friction: Friction = None,
+    max_friction: MaxFriction = None,
     units: common.Units = None,
     fix: Annotated[Path | None, typer.Option(help="plain poses to write, corrected: .npz")] = None,
     picture: Annotated[Path | None, typer.Option(help="ten grasps to draw: .svg")] = None,
@@ -73,14 +73,7 @@ def check(
 
     check_ending(fix, (".npz",))
     check_ending(picture, (".svg",))
-    said = _said(
-        reference,
-        frame=frame,
-        depth=depth,
-        units=pose_units,
-        object_id=object_id,
-        max_friction=max_friction,
-    )
+    said = _said(frame, depth, pose_units, reference, object_id, max_friction)
     (solid,), hand = _objects([mesh], units, gripper, config)
     found = check_grasps(file, solid, hand, format_name, **said)
     typer.echo(repr(found))
@@ -105,7 +98,7 @@ def convert(
     pose_units: PoseUnits = None,
     reference: Reference = None,
     object_id: ObjectId = None,
-    max_friction: Friction = None,
+    max_friction: MaxFriction = None,
     units: common.Units = None,
     config: common.Config = None,
 ) -> None:
@@ -114,14 +107,7 @@ def convert(
     from egad.exchange.reading import read_grasps
 
     (solid,), hand = _objects([mesh], units, gripper, config)
-    said = _said(
-        reference,
-        frame=frame,
-        depth=depth,
-        units=pose_units,
-        object_id=object_id,
-        max_friction=max_friction,
-    )
+    said = _said(frame, depth, pose_units, reference, object_id, max_friction)
     read = read_grasps(file, format_name, solid, hand, **said)
     export_grasps(read, solid, to, hand, out, mesh.stem)
     typer.echo(f"{out}: {len(read)} grasps of {mesh.stem}")
@@ -145,7 +131,7 @@ def try_files(
     pose_units: PoseUnits = None,
     reference: Reference = None,
     object_id: ObjectId = None,
-    max_friction: Friction = None,
+    max_friction: MaxFriction = None,
     units: common.Units = None,
     out: common.TableFile = None,
     config: common.Config = None,
@@ -163,18 +149,11 @@ def try_files(
     check_ending(out, (".parquet", ".csv"))
     if len(files) != len(meshes):
         raise UserError(f"--mesh is given {len(meshes)} times; allowed: once for each file")
-    said = _said(
-        reference,
-        frame=frame,
-        depth=depth,
-        units=pose_units,
-        object_id=object_id,
-        max_friction=max_friction,
-    )
+    said = _said(frame, depth, pose_units, reference, object_id, max_friction)
     names = {path: name for name, path in object_names(meshes).items()}
     solids, hand = _objects(meshes, units, gripper, config)
-    options: Any = {"engine": engine, "jobs": jobs, "friction": friction or FRICTION}
-    options["mass"] = mass or None
+    levels = {"friction": friction or FRICTION, "mass": mass or None}
+    options: Any = {"engine": engine, "jobs": jobs, **levels}
     tried = []
     for file, mesh, solid in zip(files, meshes, solids, strict=True):
         read = read_grasps(file, format_name, solid, hand, **said)
@@ -200,7 +179,14 @@ def _objects(
     return [read_mesh(each, units) for each in meshes], name if known else settings.grippers[name]
 
 
-def _said(reference: Path | None, **others: object) -> Any:  # noqa: ANN401 (`Said`, slow to import)
+def _said(
+    frame: str | None,
+    depth: float | None,
+    units: str | None,
+    reference: Path | None,
+    object_id: str | None,
+    max_friction: float | None,
+) -> Any:  # noqa: ANN401 (`egad.exchange.reading.Said`, which takes long to import)
     import numpy as np
 
     pose = None
@@ -209,4 +195,5 @@ def _said(reference: Path | None, **others: object) -> Any:  # noqa: ANN401 (`Sa
             pose = np.eye(4) if str(reference) == "object" else np.loadtxt(reference)
         except (OSError, ValueError) as error:
             raise UserError(f"--reference {reference}: no lines of numbers: {error}") from error
-    return {**others, "reference": pose}
+    named = {"frame": frame, "depth": depth, "units": units, "reference": pose}
+    return named | {"object_id": object_id, "max_friction": max_friction}
