@@ -155,7 +155,9 @@ def check_grasps(
     if found.corrected is not None:
         files[f"corrected: {found.shares[found.mistakes[0]]:.0%} fit"] = found.corrected
     shown = {title: trial.sample(each, SHOWN).poses for title, each in files.items()}
-    corrected = {"consistent": whole}.get(found.verdict, None if stride > 1 else found.corrected)
+    corrected = found.corrected if stride == 1 else None
+    if found.verdict == "consistent":
+        corrected = whole
     return replace(found, corrected=corrected, drawn=(mesh, shown, options.gripper.gripper))
 
 

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import trimesh
 from scipy.spatial import QhullError
+from trimesh.convex import convex_hull
 
 from egad._util.arrays import Flags, Floats
 from egad.errors import RejectedError, UserError
@@ -48,14 +49,10 @@ def solids_of(model: mujoco.MjModel, body: int) -> list[trimesh.Trimesh]:
     for points, faces in shape_surfaces(model, body):
         with suppress(QhullError):  # it is flat, and touches nothing
             try:
-                mesh = (
-                    trimesh.Trimesh(points, faces)
-                    if len(faces)
-                    else trimesh.convex.convex_hull(points)
-                )
+                mesh = trimesh.Trimesh(points, faces) if len(faces) else convex_hull(points)
                 solids.append(wind_outwards(mesh))
             except RejectedError:
-                solids.append(trimesh.convex.convex_hull(points))
+                solids.append(convex_hull(points))
     return solids
 
 
